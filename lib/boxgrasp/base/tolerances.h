@@ -1,0 +1,11 @@
+// Every numerical tolerance of the library, with its meaning. Lengths in metres, angles in radians.
+#pragma once
+
+namespace boxgrasp::tolerance {
+
+inline constexpr double kFlatExtent = 1e-4;     // an extent of a box below this counts as this: 0.1 mm, under any sensor's noise
+inline constexpr double kCoincident = 1e-7;     // points nearer than this are one point
+inline constexpr double kUnitVector = 1e-9;     // how far from 1 the norm of a unit vector may be
+inline constexpr double kAngle = 1e-9;          // angles closer than this are equal
+
+}  // namespace boxgrasp::tolerance
