@@ -1,0 +1,55 @@
+// Forward and inverse kinematics of the hand.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "boxgrasp/hand/hand_description.h"
+
+namespace boxgrasp {
+
+enum Finger { kF1 = 0, kF2 = 1, kThumb = 2 };
+
+// Joint angles, radians. The outer joints follow the inner ones by the coupling.
+struct HandJoints {
+  double spread = 0.0;
+  std::array<double, 3> inner{0, 0, 0};   // f1, f2, f3 (thumb)
+};
+
+// A finger's tip in its own plane: x from the inner joint outwards, z above the inner joint's axis, of the fingertip sphere's centre.
+Vector2d fingertipInPlane(const HandDescription& hand, double inner);
+
+// e: signed distance from the inner joint to the point where the fingertip touches a wall that stands across its plane: the sphere's centre
+// less its radius (paper: finger extension). Strictly falling with the joint angle up to maxMonotoneAngle().
+double extension(const HandDescription& hand, double inner);
+double maxMonotoneAngle(const HandDescription& hand);
+
+// The joint angle for an extension; nullopt outside the reach. Inverse of `extension` to 1e-12 m.
+std::optional<double> innerForExtension(const HandDescription& hand, double extension_m);
+
+// z of the fingertip's centre above the palm (frame P), exact; and the paper's linear approximation g(e).
+double tipHeight(const HandDescription& hand, double inner);
+double linearDepth(const HandDescription& hand, double extension_m);
+
+// A link as a capsule: all points within radius of the segment.
+struct Capsule {
+  std::string_view name;      // "F1 inner link", ...
+  int finger = -1;            // 0, 1, 2
+  Vector3d a = Vector3d::Zero(), b = Vector3d::Zero();
+  double radius = -1.0;
+};
+
+// The hand's links in P. The palm is a cylinder about z from -palm_thickness to 0.
+struct HandGeometry {
+  std::array<Capsule, 9> links;              // for each finger knuckle, inner link, outer link
+  std::array<Vector3d, 3> tips_P;            // centres of the fingertip spheres
+  double palm_radius, palm_thickness;
+};
+HandGeometry forwardKinematics(const HandDescription& hand, const HandJoints& joints);
+
+// The unit direction in P from the spread axis to the fingertip, in the plane of the palm.
+Vector2d fingerDirection(Finger finger, double spread);
+
+}  // namespace boxgrasp

@@ -1,0 +1,39 @@
+// Grasp regions: straight pieces of contour where a finger may press (paper III.A, second part).
+#pragma once
+
+#include <vector>
+
+#include "boxgrasp/synthesis/contours.h"
+
+namespace boxgrasp {
+
+enum class CurvatureSum { absolute, with_sign };
+
+struct RegionOptions {
+  int k = 5;                             // neighbours in each direction for the k-angular bending (Eq. 3), in contour points
+  double smoothing_sigma = 2.5;          // of the Gaussian along the contour, in contour points
+  double max_curvature_rad = 0.4;        // t_kappa: bound on the curvature at any point (III.A)
+  double max_total_curvature_rad = 4.0;  // T_kappa: bound on the sum of curvature over a region (III.A)
+  CurvatureSum sum = CurvatureSum::with_sign;
+  double min_length_m = 0.020;           // l_min: about the width of a Barrett finger (III.A)
+  double max_length_m = 0.050;           // l_max: longer straight pieces are broken up evenly (III.A)
+  void validate() const;
+};
+
+// One region: the chord from a to b, with the material on its left; in the plane of F, metres.
+struct Region {
+  Vector2d a_F{0, 0}, b_F{0, 0};
+  Vector2d normal_F{0, 0};      // unit, into the material
+  ContourKind kind = ContourKind::outer;
+  int contour = -1;
+  double length() const { return (b_F - a_F).norm(); }
+};
+
+// The signed k-angular bending at every point, smoothed: positive where the material is convex. Open contours: the first and the last k
+// points have no value and repeat that of their neighbour.
+std::vector<double> curvature(const Contour& contour, const RegionOptions& options = {});
+
+// The regions of all contours. Runs of low curvature are broken evenly, so that neither the direction nor the start of a contour matters.
+std::vector<Region> findRegions(const std::vector<Contour>& contours, const RegionOptions& options = {});
+
+}  // namespace boxgrasp
