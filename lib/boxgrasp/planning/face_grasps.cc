@@ -1,0 +1,177 @@
+#include "boxgrasp/planning/face_grasps.h"
+
+#include "boxgrasp/wrench/grasp_wrench_space.h"
+
+namespace boxgrasp {
+namespace {
+
+FaceImage imageOf(const FaceWork& work, const Face& face, Tally& tally) {
+  const StageTimer timer(tally, StageId::images);
+  const auto& points = work.object.tree.nodes[face.node].points;
+  const FaceImage raw =
+      projectFace(face, work.object.cloud_C, points, work.object.spacing_m, work.options.image);
+  FaceImage image = filled(raw, work.options.contours);
+  const bool occupied = std::any_of(image.gray.begin(), image.gray.end(), [](auto g) { return g > 0; });
+  tally.count(StageId::images, 1, occupied);
+  if (!occupied) tally.reject("image without connected points");
+  return image;
+}
+
+std::vector<Region> regionsOf(const FaceWork& work, const FaceImage& image, Tally& tally, FaceTrace* trace) {
+  const StageTimer timer(tally, StageId::regions);
+  const std::vector<Contour> contours = findContours(image, work.options.contours);
+  std::vector<Region> regions = findRegions(contours, work.options.regions);
+  tally.count(StageId::regions, contours.size(), regions.size());
+  if (trace) trace->contours = contours;
+  return regions;
+}
+
+std::vector<Triplet> tripletsOf(const FaceWork& work, const FaceImage& image,
+                                const std::vector<Region>& regions, Tally& tally) {
+  const StageTimer timer(tally, StageId::triplets);
+  Triplets found = findTriplets(regions, image, work.options.triplets, work.stop);
+  tally.count(StageId::triplets, found.counts.considered, found.triplets.size());
+  tally.reject("triplet: normals do not span the plane", found.counts.not_spanning);
+  tally.reject("triplet: friction cones do not meet", found.counts.cones_apart);
+  tally.reject("triplet: focus outside the finger points", found.counts.focus_outside);
+  tally.reject("triplet: more than max_triplets", found.counts.over_limit);
+  return std::move(found.triplets);
+}
+
+Configurations configurationsOf(const FaceWork& work, const std::vector<Triplet>& triplets, Tally& tally) {
+  const StageTimer timer(tally, StageId::configurations);
+  Configurations all;
+  for (std::size_t i = 0; i < triplets.size(); ++i) {
+    work.stop.check();
+    Configurations found =
+        findConfigurations(work.hand, triplets[i], static_cast<int>(i), work.options.configurations);
+    if (found.configurations.empty()) tally.reject("triplet: no hand configuration reaches it");
+    std::move(found.configurations.begin(), found.configurations.end(),
+              std::back_inserter(all.configurations));
+    for (std::size_t r = 0; r < all.rejected.size(); ++r) all.rejected[r] += found.rejected[r];
+    all.merged += found.merged;
+  }
+  tally.count(StageId::configurations, triplets.size(), all.configurations.size());
+  for (std::size_t r = 0; r < all.rejected.size(); ++r) {
+    tally.reject(describe(static_cast<ReachRejection>(r)), all.rejected[r]);
+  }
+  tally.reject("configuration: nearly the same as another of its triplet", all.merged);
+  return all;
+}
+
+Grasp graspFrom(const FaceWork& work, const Face& face, const Triplet& triplet,
+                const HandConfiguration& configuration) {
+  Grasp grasp;
+  grasp.X_CP = face.X_CF * configuration.X_FP;
+  grasp.joints = configuration.joints;
+  grasp.approach_C = grasp.X_CP.linear().col(2);
+  grasp.object = work.object_index;
+  grasp.box = face.node;
+  grasp.face = 2 * face.axis + (face.sign > 0);
+  grasp.configuration = configuration;
+  grasp.triplet = triplet;
+  return grasp;
+}
+
+bool touchesSurface(const FaceWork& work, const Face& face, Grasp& grasp, Tally& tally) {
+  const StageTimer timer(tally, StageId::contacts);
+  const Contacts found = findContacts(face, grasp.triplet, grasp.configuration, work.object_grid_C,
+                                      work.object.spacing_m, work.options.contacts);
+  tally.count(StageId::contacts, 1, !found.rejection);
+  if (found.rejection) tally.reject(describe(*found.rejection));
+  grasp.contacts = found.contacts;
+  return !found.rejection;
+}
+
+bool holdsByForce(const FaceWork& work, const Grasp& grasp, Tally& tally) {
+  if (!work.options.require_force_closure) return true;
+  const StageTimer timer(tally, StageId::force_closure);
+  const OrientedBox& root = work.object.tree.nodes.front().box;
+  WrenchOptions wrench;
+  wrench.friction = work.options.triplets.friction;
+  wrench.p_CG = root.X_CB.translation();
+  wrench.torque_scale_m = root.extents.norm() / 2;
+  std::vector<Contact> contacts;
+  for (const SurfaceContact& c : grasp.contacts) contacts.push_back({c.p_C, c.normal_C});
+  const bool holds = forceClosure(contacts, wrench);
+  tally.count(StageId::force_closure, 1, holds);
+  if (!holds) tally.reject("contacts not in force closure");
+  return holds;
+}
+
+bool isClear(const FaceWork& work, Grasp& grasp, Tally& tally) {
+  const StageTimer timer(tally, StageId::clearance);
+  const Clearance clearance =
+      testClearance(work.hand, grasp.X_CP, grasp.joints, work.scene_grid_C, work.options.clearance);
+  tally.count(StageId::clearance, 1, clearance.pregrasp.has_value());
+  if (clearance.pregrasp) grasp.pregrasp = *clearance.pregrasp;
+  if (clearance.collision) {
+    tally.reject(fmt::format("{} meets a point {}", clearance.collision->link, clearance.collision->phase));
+  }
+  return clearance.pregrasp.has_value();
+}
+
+Vector2d shapeCentroid(const FaceImage& image) {
+  Vector2d sum = Vector2d::Zero();
+  double n = 0;
+  for (int row = 0; row < image.height; ++row) {
+    for (int column = 0; column < image.width; ++column) {
+      if (image.at(column, row) == 0) continue;
+      sum += Vector2d(column, row);
+      ++n;
+    }
+  }
+  return image.toFace(sum / n);
+}
+
+QualityMeasures measure(const FaceWork& work, const Grasp& grasp, const Vector2d& shape_centroid_F) {
+  GraspGeometry geometry;
+  for (int finger = 0; finger < 3; ++finger) {
+    const int point = grasp.configuration.point_of_finger[finger];
+    geometry.points_F[finger] = grasp.triplet.points_F[point];
+    geometry.normals_F[finger] = grasp.triplet.normals_F[point];
+    geometry.surface_depth_m[finger] = grasp.triplet.nearest_depth_m[point];
+    geometry.contacts_C[finger] = grasp.contacts[finger].p_C;
+  }
+  geometry.push_F = grasp.configuration.push_F;
+  geometry.extension_m = grasp.configuration.extension_m;
+  geometry.tip_height_m = grasp.configuration.tip_height_m;
+  geometry.spread = grasp.joints.spread;
+  geometry.focus_F = grasp.triplet.focus_F;
+  geometry.real_focus_F = grasp.configuration.real_focus_F;
+  geometry.shape_centroid_F = shape_centroid_F;
+  geometry.root_center_C = work.object.tree.nodes.front().box.X_CB.translation();
+  return qualityMeasures(geometry, work.hand, work.options.depth_model);
+}
+
+}  // namespace
+
+std::vector<Grasp> graspsOnFace(const FaceWork& work, const Face& face, Tally& tally, FaceTrace* trace) {
+  work.stop.check();
+  const FaceImage image = imageOf(work, face, tally);
+  const std::vector<Region> regions = regionsOf(work, image, tally, trace);
+  const std::vector<Triplet> triplets = tripletsOf(work, image, regions, tally);
+  const Configurations reached = configurationsOf(work, triplets, tally);
+  const Vector2d centroid_F = shapeCentroid(image);
+
+  std::vector<Grasp> grasps;
+  for (const HandConfiguration& configuration : reached.configurations) {
+    work.stop.check();
+    Grasp grasp = graspFrom(work, face, triplets[configuration.triplet], configuration);
+    if (!touchesSurface(work, face, grasp, tally) || !holdsByForce(work, grasp, tally) ||
+        !isClear(work, grasp, tally))
+      continue;
+    grasp.quality = measure(work, grasp, centroid_F);
+    grasps.push_back(std::move(grasp));
+  }
+  if (trace) {
+    trace->image = image;
+    trace->regions = regions;
+    trace->triplets = triplets;
+    trace->configurations = reached.configurations.size();
+    trace->clear = grasps.size();
+  }
+  return grasps;
+}
+
+}  // namespace boxgrasp

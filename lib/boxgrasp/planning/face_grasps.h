@@ -1,0 +1,24 @@
+// Everything that happens on one face: from its image to grasps that are clear of collisions (paper III).
+#pragma once
+
+#include "boxgrasp/geometry/point_grid.h"
+#include "boxgrasp/planning/grasp_planner.h"
+#include "boxgrasp/planning/tally.h"
+
+namespace boxgrasp {
+
+// What the faces of one object have in common. References outlive the calls.
+struct FaceWork {
+  const HandDescription& hand;
+  const PlannerOptions& options;  // with the request's friction in every stage
+  const PlannedObject& object;
+  int object_index;
+  const PointGrid& object_grid_C;  // the object's own points: where contacts are
+  const PointGrid& scene_grid_C;   // all points: what the hand may meet
+  const StopToken& stop;
+};
+
+// The unranked grasps (score NaN) on a graspable face, in a fixed order. Fills the trace where one is given.
+std::vector<Grasp> graspsOnFace(const FaceWork& work, const Face& face, Tally& tally, FaceTrace* trace);
+
+}  // namespace boxgrasp
