@@ -1,5 +1,7 @@
 #include "boxgrasp/planning/distinct.h"
 
+#include <algorithm>
+
 namespace boxgrasp {
 namespace {
 

@@ -1,5 +1,9 @@
 #include "boxgrasp/planning/face_grasps.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+
 #include "boxgrasp/wrench/grasp_wrench_space.h"
 
 namespace boxgrasp {

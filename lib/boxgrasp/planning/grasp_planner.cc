@@ -1,8 +1,12 @@
 #include "boxgrasp/planning/grasp_planner.h"
 
-#include <algorithm>
-#include <numeric>
+#include <fmt/format.h>
 
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "boxgrasp/base/error.h"
 #include "boxgrasp/base/parallel.h"
 #include "boxgrasp/planning/distinct.h"
 #include "boxgrasp/planning/face_grasps.h"
