@@ -9,8 +9,8 @@
 
 namespace boxgrasp {
 
-// Holds a reference to the cloud, which must outlive it. Immutable after construction, so safe to share between threads.
-// Memory is bounded by the points, not by the volume: an outlier far away costs one cell.
+// Holds a reference to the cloud, which must outlive it. Immutable after construction, so safe to share
+// between threads. Memory is bounded by the points, not by the volume: an outlier far away costs one cell.
 class PointGrid {
  public:
   // Pre: cell_m > 0.
@@ -22,8 +22,8 @@ class PointGrid {
   // The nearest point within `radius_m`, the smaller index of equals; nullopt when there is none.
   std::optional<std::uint32_t> nearest(const Vector3d& p, double radius_m) const;
 
-  // Calls visit(index) for every point in the axis-aligned box, and maybe for others near it; visit returns true to stop.
-  // Returns whether it was stopped.
+  // Calls visit(index) for every point in the axis-aligned box, and maybe for others near it; visit returns
+  // true to stop. Returns whether it was stopped.
   template <typename Visit>
   bool visitBox(const Eigen::AlignedBox3d& box, Visit&& visit) const;
 
@@ -33,31 +33,54 @@ class PointGrid {
   struct Cell {
     std::uint32_t begin = 0, end = 0;  // into order_
   };
-  Eigen::Vector3i cellOf(const Vector3d& p) const;
-  const Cell* find(const Eigen::Vector3i& cell) const;
+  using Index = Eigen::Vector3i;
+
+  // Cells lie around a typical point. Beyond 2^20 cells from it they are no longer told apart: the outermost
+  // reach to infinity.
+  Index cellOf(const Vector3d& p) const;
+  static std::uint64_t keyOf(const Index& cell);
+  static Index indexOf(std::uint64_t key);
+  std::size_t slotOf(std::uint64_t key) const;  // where the key is, or the empty slot where it belongs
+  std::uint32_t insert(std::uint64_t key);      // the number of the cell with this key
+  const Cell* find(const Index& cell) const;
+  template <typename Visit>
+  bool visitCell(const Cell& cell, Visit& visit) const;
 
   const PointCloud* cloud_;
   double cell_m_;
   Vector3d origin_;
-  Eigen::Vector3i size_;                 // cells along each axis
-  std::vector<std::uint64_t> keys_;      // sorted keys of the occupied cells
-  std::vector<Cell> cells_;              // parallel to keys_
-  std::vector<std::uint32_t> slots_;     // open-addressing hash from key to index in keys_, plus one; 0 = empty
-  std::vector<std::uint32_t> order_;     // point indices, cell by cell
+  std::vector<std::uint64_t> keys_;   // of the occupied cells, in order of their first point
+  std::vector<Cell> cells_;           // parallel to keys_
+  std::vector<std::uint32_t> slots_;  // open-addressing hash from key to cell number plus one; 0 = empty
+  std::vector<std::uint32_t> order_;  // point indices, cell by cell, ascending in each
 };
 
 template <typename Visit>
+bool PointGrid::visitCell(const Cell& cell, Visit& visit) const {
+  for (std::uint32_t n = cell.begin; n < cell.end; ++n) {
+    if (visit(order_[n])) return true;
+  }
+  return false;
+}
+
+template <typename Visit>
 bool PointGrid::visitBox(const Eigen::AlignedBox3d& box, Visit&& visit) const {
-  const Eigen::Vector3i low = cellOf(box.min()), high = cellOf(box.max());
-  const Eigen::Vector3i from = low.cwiseMax(0), to = high.cwiseMin(size_ - Eigen::Vector3i::Ones());
+  if (box.isEmpty()) return false;
+  const Index from = cellOf(box.min()), to = cellOf(box.max());
+  // A box of more cells than are occupied is answered from the occupied ones.
+  if ((to - from + Index::Ones()).cast<double>().prod() > static_cast<double>(cells_.size())) {
+    for (std::size_t i = 0; i < cells_.size(); ++i) {
+      const Index cell = indexOf(keys_[i]);
+      const bool inside = (cell.array() >= from.array()).all() && (cell.array() <= to.array()).all();
+      if (inside && visitCell(cells_[i], visit)) return true;
+    }
+    return false;
+  }
   for (int k = from.z(); k <= to.z(); ++k) {
     for (int j = from.y(); j <= to.y(); ++j) {
       for (int i = from.x(); i <= to.x(); ++i) {
         const Cell* cell = find({i, j, k});
-        if (!cell) continue;
-        for (std::uint32_t n = cell->begin; n < cell->end; ++n) {
-          if (visit(order_[n])) return true;
-        }
+        if (cell && visitCell(*cell, visit)) return true;
       }
     }
   }

@@ -1,0 +1,14 @@
+// Function multiversioning for the passes over all points.
+#pragma once
+
+// A function marked so is compiled once for each instruction set, and the best one for the machine is taken
+// at load time. Only for free functions of a .cc file with plain loops over arrays. Reductions keep an
+// explicit number of lanes, so that every version adds in the same order and gives the same bits. Sanitizers
+// instrument the load-time choice before they are ready for it, so sanitized builds keep to the plain
+// version.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__SANITIZE_THREAD__)
+#define BOXGRASP_SIMD __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#else
+#define BOXGRASP_SIMD
+#endif
