@@ -1,7 +1,8 @@
 // Keeping different grasps only.
 #pragma once
 
-#include "boxgrasp/planning/grasp_planner.h"
+#include "boxgrasp/base/stop_token.h"
+#include "boxgrasp/planning/plan.h"
 
 namespace boxgrasp {
 

@@ -1,8 +1,9 @@
 // Everything that happens on one face: from its image to grasps that are clear of collisions (paper III).
 #pragma once
 
+#include "boxgrasp/base/stop_token.h"
 #include "boxgrasp/geometry/point_grid.h"
-#include "boxgrasp/planning/grasp_planner.h"
+#include "boxgrasp/planning/plan.h"
 #include "boxgrasp/planning/tally.h"
 
 namespace boxgrasp {

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <opencv2/core.hpp>
 
-#include "boxgrasp/planning/grasp_planner.h"
+#include "boxgrasp/planning/plan.h"
 
 namespace boxgrasp {
 

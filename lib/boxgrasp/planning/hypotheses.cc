@@ -1,0 +1,209 @@
+#include "boxgrasp/planning/hypotheses.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "boxgrasp/base/error.h"
+#include "boxgrasp/base/parallel.h"
+#include "boxgrasp/planning/face_grasps.h"
+#include "boxgrasp/planning/obstacles.h"
+
+namespace boxgrasp {
+namespace {
+
+constexpr double kSceneCell_m = 0.010;   // of the grid over all points: about a link's radius
+constexpr double kObjectCell_m = 0.006;  // of the grid over an object: about the search radius of contacts
+constexpr double kTableReach_m =
+    0.20;  // the table is filled in this far around an object: an open hand's span
+constexpr double kTableSpacing_m = 0.005;
+
+PlannerOptions withFriction(PlannerOptions options, double friction) {
+  requireOption(friction > 0 && friction <= 3, "friction", friction, "in (0, 3]");
+  options.triplets.friction = friction;
+  options.configurations.friction = friction;
+  return options;
+}
+
+std::optional<Vector3d> unitGravity(const PlanRequest& request, const std::optional<Plane>& table) {
+  if (!request.gravity_C) return table ? std::optional<Vector3d>(-table->normal_C) : std::nullopt;
+  const double norm = request.gravity_C->norm();
+  requireOption(std::isfinite(norm) && norm > 0, "gravity", norm, "a finite vector that is not zero");
+  return *request.gravity_C / norm;
+}
+
+// The rest of the scene, without the points of any object.
+PointCloud background(const PointCloud& cloud_C, const Scene& scene) {
+  std::vector<bool> taken(cloud_C.size(), false);
+  for (const auto& object : scene.objects) {
+    for (const auto i : object) taken[i] = true;
+  }
+  std::vector<std::uint32_t> rest;
+  for (std::uint32_t i = 0; i < cloud_C.size(); ++i) {
+    if (!taken[i]) rest.push_back(i);
+  }
+  return select(cloud_C, rest);
+}
+
+// One plan, from request to result. Each method is a stage of the paper.
+class HypothesisSearch {
+ public:
+  HypothesisSearch(const HandDescription& hand, const PlannerOptions& options, const PlanRequest& request,
+                   const StopToken& stop, PlanTrace* trace, PlanResult& result, Tally& tally)
+      : hand_(hand),
+        request_(request),
+        stop_(stop),
+        trace_(trace),
+        result_(result),
+        tally_(tally),
+        options_(withFriction(options, request.friction)) {}
+
+  void run() {
+    const FiniteCloud finite = validated(request_.cloud_C, options_.validation);
+    noteNonFinite(finite);
+    takeSceneApart(finite.cloud_C);
+    cleanObjects(finite.cloud_C);
+    decomposeObjects();
+    graspObjects();
+  }
+
+ private:
+  void note(std::string text) { result_.report.notes.push_back(std::move(text)); }
+
+  void noteNonFinite(const FiniteCloud& finite) {
+    if (finite.non_finite == 0) return;
+    note(fmt::format("{} of {} points are not finite and were dropped", finite.non_finite,
+                     request_.cloud_C.size()));
+    tally_.reject("point not finite", finite.non_finite);
+  }
+
+  void takeSceneApart(const PointCloud& cloud_C) {
+    const StageTimer timer(tally_, StageId::scene);
+    scene_ = takeApart(cloud_C, options_.scene, stop_, request_.viewpoint_C);
+    tally_.count(StageId::scene, cloud_C.size(), scene_.objects.size());
+    tally_.reject("point of the background", scene_.background_points);
+    tally_.reject("point of a small cluster", scene_.small_cluster_points);
+    if (scene_.table)
+      note(fmt::format("a table was found ({} points) and {} objects on it", scene_.table_points,
+                       scene_.objects.size()));
+    const int objects = static_cast<int>(scene_.objects.size());
+    if (request_.object >= objects && objects > 0) {
+      throw InputError(
+          fmt::format("object {} was asked for, but the scene has {} (numbered from 0, the largest first)",
+                      request_.object, objects));
+    }
+    surroundings_ = {unitGravity(request_, scene_.table), request_.viewpoint_C};
+  }
+
+  void cleanObjects(const PointCloud& cloud_C) {
+    const StageTimer timer(tally_, StageId::clean);
+    for (std::size_t i = 0; i < scene_.objects.size(); ++i) {
+      CleanCloud clean_cloud = clean(select(cloud_C, scene_.objects[i]), options_.clean, stop_);
+      tally_.count(StageId::clean, scene_.objects[i].size(), clean_cloud.cloud_C.size());
+      tally_.reject("point is a duplicate", clean_cloud.duplicates);
+      tally_.reject("point is an outlier", clean_cloud.outliers);
+      tally_.reject("point shares its voxel", clean_cloud.merged);
+      note(fmt::format("object {}: {} points, evened to {} by voxels of {:.2f} mm, spacing {:.2f} mm", i,
+                       scene_.objects[i].size(), clean_cloud.cloud_C.size(), 1e3 * clean_cloud.voxel_m,
+                       1e3 * clean_cloud.spacing_m));
+      scene_C_ = joined(std::move(scene_C_), clean_cloud.cloud_C);
+      result_.objects.push_back({std::move(clean_cloud.cloud_C), clean_cloud.spacing_m, {}});
+    }
+    addObstacles(background(cloud_C, scene_));
+  }
+
+  void addObstacles(const PointCloud& rest_C) {
+    if (!rest_C.empty()) {
+      CleanOptions thinning = options_.clean;
+      thinning.outlier_neighbours = 0;
+      scene_C_ = joined(std::move(scene_C_), clean(rest_C, thinning, stop_).cloud_C);
+    }
+    if (!scene_.table) return;
+    for (const PlannedObject& object : result_.objects) {
+      if (object.cloud_C.empty()) continue;
+      scene_C_ = joined(std::move(scene_C_),
+                        tablePatch(*scene_.table, object.cloud_C, kTableReach_m, kTableSpacing_m));
+    }
+  }
+
+  bool planned(std::size_t object) const {
+    return (request_.object < 0 || object == static_cast<std::size_t>(request_.object)) &&
+           !result_.objects[object].cloud_C.empty();
+  }
+
+  void decomposeObjects() {
+    const StageTimer timer(tally_, StageId::decomposition);
+    for (std::size_t i = 0; i < result_.objects.size(); ++i) {
+      if (!planned(i)) continue;
+      PlannedObject& object = result_.objects[i];
+      object.tree = decompose(object.cloud_C, options_.decomposition, stop_);
+      tally_.count(StageId::decomposition, 1, object.tree.leaves().size());
+    }
+  }
+
+  void graspObjects() {
+    const PointGrid scene_grid_C(scene_C_, kSceneCell_m);
+    for (std::size_t i = 0; i < result_.objects.size(); ++i) {
+      if (planned(i)) graspObject(static_cast<int>(i), scene_grid_C);
+    }
+    if (trace_) {
+      trace_->scene_C = scene_C_;
+      trace_->table = scene_.table;
+    }
+  }
+
+  std::vector<FaceDecision> facesOf(const PlannedObject& object, const PointGrid& scene_grid_C) {
+    const StageTimer timer(tally_, StageId::faces);
+    std::vector<FaceDecision> decisions =
+        graspableFaces(object.tree, scene_grid_C, surroundings_, options_.faces, stop_);
+    std::size_t graspable = 0;
+    for (const FaceDecision& decision : decisions) {
+      graspable += decision.graspable();
+      if (!decision.graspable()) tally_.reject(describe(decision.rejection));
+    }
+    tally_.count(StageId::faces, decisions.size(), graspable);
+    return decisions;
+  }
+
+  void graspObject(int index, const PointGrid& scene_grid_C) {
+    const PlannedObject& object = result_.objects[index];
+    const PointGrid object_grid_C(object.cloud_C, kObjectCell_m);
+    const FaceWork work{hand_, options_, object, index, object_grid_C, scene_grid_C, stop_};
+    const std::vector<FaceDecision> decisions = facesOf(object, scene_grid_C);
+
+    std::vector<std::vector<Grasp>> grasps(decisions.size());
+    std::vector<Tally> tallies(decisions.size());
+    std::vector<FaceTrace> traces(decisions.size());
+    parallelFor(decisions.size(), options_.threads, [&](std::size_t i) {
+      traces[i].object = index;
+      traces[i].decision = decisions[i];
+      if (decisions[i].graspable())
+        grasps[i] = graspsOnFace(work, decisions[i].face, tallies[i], trace_ ? &traces[i] : nullptr);
+    });
+    for (std::size_t i = 0; i < decisions.size(); ++i) {
+      tally_.add(tallies[i]);
+      std::move(grasps[i].begin(), grasps[i].end(), std::back_inserter(result_.grasps));
+    }
+    if (trace_) std::move(traces.begin(), traces.end(), std::back_inserter(trace_->faces));
+  }
+
+  const HandDescription& hand_;
+  const PlanRequest& request_;
+  const StopToken& stop_;
+  PlanTrace* trace_;
+  PlanResult& result_;
+  Tally& tally_;
+  PlannerOptions options_;
+  Scene scene_;
+  Surroundings surroundings_;
+  PointCloud scene_C_;
+};
+
+}  // namespace
+
+void findHypotheses(const HandDescription& hand, const PlannerOptions& options, const PlanRequest& request,
+                    const StopToken& stop, PlanTrace* trace, PlanResult& result, Tally& tally) {
+  HypothesisSearch(hand, options, request, stop, trace, result, tally).run();
+}
+
+}  // namespace boxgrasp

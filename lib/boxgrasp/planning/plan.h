@@ -1,0 +1,120 @@
+// What goes into a plan and what comes out.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "boxgrasp/cloud/clean.h"
+#include "boxgrasp/cloud/scene.h"
+#include "boxgrasp/decomposition/decompose.h"
+#include "boxgrasp/hand/clearance.h"
+#include "boxgrasp/hand/contacts.h"
+#include "boxgrasp/projection/face_image.h"
+#include "boxgrasp/quality/measures.h"
+#include "boxgrasp/ranking/model_file.h"
+#include "boxgrasp/synthesis/triplets.h"
+
+namespace boxgrasp {
+
+struct PlannerOptions {
+  ValidationOptions validation;
+  SceneOptions scene;
+  CleanOptions clean;
+  DecompositionOptions decomposition;
+  FaceOptions faces;
+  ImageOptions image;
+  ContourOptions contours;
+  RegionOptions regions;
+  TripletOptions triplets;
+  ConfigurationOptions configurations;
+  ContactOptions contacts;
+  ClearanceOptions clearance;
+  DepthModel depth_model = DepthModel::exact;
+  bool require_force_closure =
+      true;  // drop grasps whose contacts are not in force closure; off: the network alone decides
+  double merge_distance_m = 0.015;  // grasps whose palms and contacts are all nearer than this ...
+  double merge_angle_rad = 0.35;    // ... and whose palms turn less than this are one grasp; the best stays
+  int threads = 0;                  // 0 = all cores; the result does not depend on it
+  void validate() const;
+};
+
+// What one request may choose.
+struct PlanRequest {
+  PointCloud cloud_C;
+  int top_k = 10;         // grasps in the answer; 0 = all
+  double friction = 0.4;  // Coulomb coefficient of finger on object
+  int object = -1;        // plan this object of a scene alone (largest first); -1: all
+  std::optional<Vector3d>
+      gravity_C;  // direction of gravity (any length); unknown: the table says, if there is one
+  std::optional<Vector3d> viewpoint_C;  // where the sensor stood
+};
+
+enum class Outcome { grasps, no_grasp, bad_input, deadline, cancelled };
+std::string_view describe(Outcome outcome);
+
+struct Grasp {
+  double score = NAN;                      // of the network; higher is better
+  Pose X_CP = Pose::Identity();            // the palm in the cloud's frame; see HandDescription for P
+  HandJoints joints;                       // closed on the object
+  HandJoints pregrasp;                     // opened for the approach
+  std::array<SurfaceContact, 3> contacts;  // by finger: F1, F2, F3 (thumb)
+  Vector3d approach_C = Vector3d::Zero();  // unit
+  QualityMeasures quality{};
+  int object = -1, box = -1,
+      face = -1;  // indices: object of the scene; node of its tree; 2 * axis + (sign > 0)
+  HandConfiguration configuration;
+  Triplet triplet;
+};
+
+struct Stage {
+  std::string name;
+  std::size_t in = 0, out = 0;
+  double time_s = 0.0;
+};
+
+// Counts and times of every stage, and why candidates fell.
+struct PlanReport {
+  std::vector<Stage> stages;
+  std::map<std::string, std::size_t> rejected;  // reason -> how many candidates
+  std::vector<std::string>
+      notes;  // what a user should know: points dropped, voxel size used, table found, ...
+  std::uint64_t seed = 0;
+  double time_s = 0.0;
+};
+
+// The object's share of a scene, as planned.
+struct PlannedObject {
+  PointCloud cloud_C;  // cleaned
+  double spacing_m = -1.0;
+  BoxTree tree;
+};
+
+// What `explain` and `show` want to see, kept only on request.
+struct FaceTrace {
+  int object = -1;
+  FaceDecision decision;
+  FaceImage image;  // filled; empty for rejected faces
+  std::vector<Contour> contours;
+  std::vector<Region> regions;
+  std::vector<Triplet> triplets;
+  std::size_t configurations = 0, clear = 0;
+};
+struct PlanTrace {
+  std::vector<FaceTrace> faces;
+  PointCloud scene_C;  // all that the hand may meet, cleaned
+  std::optional<Plane> table;
+};
+
+struct PlanResult {
+  Outcome outcome = Outcome::bad_input;
+  std::string
+      message;  // one sentence; for no_grasp: the stage that removed the last candidate, the counts, the knob
+  std::string model_version;
+  std::vector<Grasp> grasps;  // best first
+  std::vector<PlannedObject> objects;
+  PlanReport report;
+};
+
+}  // namespace boxgrasp
