@@ -1,7 +1,8 @@
 // Training by Levenberg-Marquardt (paper IV.A, IV.C).
 #pragma once
 
-#include <functional>
+#include <cstdint>
+#include <string>
 #include <vector>
 
 #include "boxgrasp/base/stop_token.h"
@@ -11,27 +12,33 @@ namespace boxgrasp {
 
 // One grasp a row.
 struct Samples {
-  MatrixXd inputs;    // n x features
-  VectorXd targets;   // n
+  MatrixXd inputs;   // n x features
+  VectorXd targets;  // n
 };
 
 struct LevenbergMarquardtOptions {
-  std::vector<int> hidden = {8};   // nodes of each hidden layer (paper IV.C: 8)
-  int max_epochs = 100;            // "no training phase required more than 100 epochs"
-  int max_validation_failures = 6; // early stopping: epochs in a row without a better validation error
-  double mu = 1e-3, mu_decrease = 0.1, mu_increase = 10.0, mu_max = 1e10;  // damping, the customary schedule
-  double min_gradient = 1e-7;      // stop when the gradient's norm falls below this
-  int starts = 3;                  // seeded starts; the best on the validation set (else the training set) wins
+  std::vector<int> hidden = {8};  // nodes of each hidden layer (paper IV.C: 8); empty for a linear model
+  int max_epochs = 100;  // "no training phase required more than 100 epochs"; 0 keeps the first guess
+  int max_validation_failures = 6;  // early stopping: epochs in a row without a better validation error
+  double mu = 1e-3;                 // first damping, added to the diagonal of J^T J / n
+  double mu_decrease = 0.1;         // factor of the damping after a step that helped: the customary schedule
+  double mu_increase = 10.0;        // and after one that did not
+  double mu_max = 1e10;             // no step helps beyond this damping: stop
+  double min_gradient =
+      1e-7;        // stop when the norm of half the gradient of the mean squared error is below this
+  int starts = 3;  // seeded starts; the best on the validation set (else the training set) wins
   std::uint64_t seed = 1;
   void validate() const;
 };
 
+// Normalised units: inputs and targets mapped to [-1, 1] by their range in the training samples.
 struct TrainingReport {
-  std::vector<double> training_mse, validation_mse;   // of the winning start, per epoch, in normalised units
-  int best_epoch = -1;
+  std::vector<double> training_mse;    // of the winning start; [0] before the first epoch, [e] after e epochs
+  std::vector<double> validation_mse;  // the same; empty without a validation set
+  int best_epoch = -1;                 // index into these: the epoch whose weights were kept
   int best_start = -1;
-  std::string stop_reason;
-  double time_s = -1.0;
+  std::string stop_reason;  // of the winning start, in words
+  double time_s = -1.0;     // of all starts
 };
 
 struct Trained {
@@ -39,17 +46,24 @@ struct Trained {
   TrainingReport report;
 };
 
-// Trains a network; `validation` may be empty (no early stopping). Same data, options and seed: the same network to the bit.
-Trained train(const Samples& training, const Samples& validation, const LevenbergMarquardtOptions& options = {},
-              const StopToken& stop = {});
+// Trains a network; `validation` may be empty (no early stopping: the last epoch's weights are kept; with it,
+// those of the epoch with the least validation error). The first weights are Nguyen and Widrow's. Same data,
+// options and seed: the same network to the bit. Throws InputError for no samples, shapes that do not match,
+// numbers that are not finite (naming row and column), or a network of more than 4096 weights.
+Trained train(const Samples& training, const Samples& validation,
+              const LevenbergMarquardtOptions& options = {}, const StopToken& stop = {});
 
-// Residuals (network - target, in normalised units) and their Jacobian by all weights; for tests against numeric derivatives.
+// Residuals (network - target, in normalised units) and their Jacobian by all weights; for tests against
+// numeric derivatives.
 struct ResidualsAndJacobian {
-  VectorXd residuals;   // n
-  MatrixXd jacobian;    // n x parameters
+  VectorXd residuals;  // n
+  MatrixXd jacobian;   // n x parameters
 };
 ResidualsAndJacobian residualsAndJacobian(const Network& network, const Samples& samples);
+
+// All weights as one vector: layer by layer, node by node, the node's weights and then its bias.
 VectorXd parameters(const Network& network);
+// Pre: as many parameters as parameters() gives.
 void setParameters(Network& network, const VectorXd& parameters);
 
 }  // namespace boxgrasp
