@@ -7,5 +7,7 @@ inline constexpr double kFlatExtent = 1e-4;     // an extent of a box below this
 inline constexpr double kCoincident = 1e-7;     // points nearer than this are one point
 inline constexpr double kUnitVector = 1e-9;     // how far from 1 the norm of a unit vector may be
 inline constexpr double kAngle = 1e-9;          // angles closer than this are equal
+inline constexpr double kSymmetricFingers = 5e-4; // two finger points this near to mirror images count as such: well under a
+                                                  // fingertip's accuracy
 
 }  // namespace boxgrasp::tolerance

@@ -12,26 +12,30 @@
 namespace boxgrasp {
 
 struct ContactOptions {
-  double search_m = 0.005;             // a contact lies within this of a point of the cloud
-  double normal_radius_m = 0.008;      // the surface normal is that of the plane through the points within this (grows to 2.5 spacings)
-  double max_normal_tilt_rad = 1.05;   // the surface normal may lean this far from the region's normal (60 degrees)
+  double search_m = 0.005;  // a contact lies within this of a point of the cloud (grows to one spacing)
+  double normal_radius_m = 0.008;  // the surface normal is that of the plane through the points within this
+                                   // (grows to 2.5 spacings)
+  double max_normal_tilt_rad =
+      1.05;  // the surface normal may lean this far from the region's normal (60 degrees)
   void validate() const;
 };
 
 struct SurfaceContact {
-  Vector3d p_C = Vector3d::Constant(NAN);        // on the surface
-  Vector3d normal_C = Vector3d::Constant(NAN);   // unit, into the object
+  Vector3d p_C = Vector3d::Constant(NAN);       // on the surface
+  Vector3d normal_C = Vector3d::Constant(NAN);  // unit, into the object
 };
 
 enum class ContactRejection { no_surface, facing_away };
 std::string_view describe(ContactRejection rejection);
 
-// The contacts by finger (F1, F2, F3), or why there are none.
+// The contacts by finger (F1, F2, F3), or why there are none. A contact is the planned point of a fingertip,
+// dropped onto the plane through the cloud near it; its normal points to the side that the normal of the
+// region points to.
 struct Contacts {
   std::array<SurfaceContact, 3> contacts;
   std::optional<ContactRejection> rejection;
 };
-Contacts findContacts(const Face& face, const Triplet& triplet, const HandConfiguration& configuration, const PointGrid& object_C,
-                      double spacing_m, const ContactOptions& options = {});
+Contacts findContacts(const Face& face, const Triplet& triplet, const HandConfiguration& configuration,
+                      const PointGrid& object_C, double spacing_m, const ContactOptions& options = {});
 
 }  // namespace boxgrasp

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <optional>
-#include <string>
-#include <vector>
+#include <string_view>
 
 #include "boxgrasp/hand/hand_description.h"
 
@@ -15,19 +15,30 @@ enum Finger { kF1 = 0, kF2 = 1, kThumb = 2 };
 // Joint angles, radians. The outer joints follow the inner ones by the coupling.
 struct HandJoints {
   double spread = 0.0;
-  std::array<double, 3> inner{0, 0, 0};   // f1, f2, f3 (thumb)
+  std::array<double, 3> inner{0, 0, 0};  // f1, f2, f3 (thumb)
 };
 
-// A finger's tip in its own plane: x from the inner joint outwards, z above the inner joint's axis, of the fingertip sphere's centre.
+// A finger's tip in its own plane: x from the inner joint outwards, z above the inner joint's axis, of the
+// fingertip sphere's centre.
 Vector2d fingertipInPlane(const HandDescription& hand, double inner);
 
-// e: signed distance from the inner joint to the point where the fingertip touches a wall that stands across its plane: the sphere's centre
-// less its radius (paper: finger extension). Strictly falling with the joint angle up to maxMonotoneAngle().
+// e: signed distance from the inner joint to the point where the fingertip touches a wall that stands across
+// its plane: the sphere's centre less its radius (paper: finger extension). Strictly falling with the joint
+// angle up to maxMonotoneAngle().
 double extension(const HandDescription& hand, double inner);
 double maxMonotoneAngle(const HandDescription& hand);
 
-// The joint angle for an extension; nullopt outside the reach. Inverse of `extension` to 1e-12 m.
+// The joint angles over which `extension` falls strictly, and what it is at their ends.
+struct Reach {
+  double inner_min = NAN, inner_max = NAN;
+  double extension_min_m = NAN, extension_max_m = NAN;
+};
+Reach fingerReach(const HandDescription& hand);
+
+// The joint angle for an extension; nullopt outside the reach. Inverse of `extension` to 1e-12 m. Who asks
+// often passes the reach.
 std::optional<double> innerForExtension(const HandDescription& hand, double extension_m);
+std::optional<double> innerForExtension(const HandDescription& hand, double extension_m, const Reach& reach);
 
 // z of the fingertip's centre above the palm (frame P), exact; and the paper's linear approximation g(e).
 double tipHeight(const HandDescription& hand, double inner);
@@ -35,16 +46,16 @@ double linearDepth(const HandDescription& hand, double extension_m);
 
 // A link as a capsule: all points within radius of the segment.
 struct Capsule {
-  std::string_view name;      // "F1 inner link", ...
-  int finger = -1;            // 0, 1, 2
+  std::string_view name;  // "F1 inner link", ...
+  int finger = -1;        // 0, 1, 2
   Vector3d a = Vector3d::Zero(), b = Vector3d::Zero();
   double radius = -1.0;
 };
 
 // The hand's links in P. The palm is a cylinder about z from -palm_thickness to 0.
 struct HandGeometry {
-  std::array<Capsule, 9> links;              // for each finger knuckle, inner link, outer link
-  std::array<Vector3d, 3> tips_P;            // centres of the fingertip spheres
+  std::array<Capsule, 9> links;    // for each finger knuckle, inner link, outer link
+  std::array<Vector3d, 3> tips_P;  // centres of the fingertip spheres
   double palm_radius, palm_thickness;
 };
 HandGeometry forwardKinematics(const HandDescription& hand, const HandJoints& joints);

@@ -1,0 +1,73 @@
+#include "boxgrasp/hand/contacts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "boxgrasp/base/error.h"
+#include "boxgrasp/geometry/surface_normal.h"
+
+namespace boxgrasp {
+namespace {
+
+constexpr double kSpacingsForPlane =
+    2.5;  // in the neighbourhood of so many spacings there are about 20 points
+
+// What one finger touches, or why nothing.
+struct Touch {
+  SurfaceContact contact;
+  std::optional<ContactRejection> rejection;
+};
+
+// `p_C`: where the fingertip was planned to touch; `inward_C`: the normal of its region.
+Touch touch(const Vector3d& p_C, const Vector3d& inward_C, const PointGrid& object_C, double spacing_m,
+            const ContactOptions& options) {
+  const double radius = std::max(options.normal_radius_m, kSpacingsForPlane * spacing_m);
+  const auto nearest = object_C.nearest(p_C, radius);
+  if (!nearest) return {{}, ContactRejection::no_surface};
+  const auto surface = fitSurface(object_C, object_C.cloud().point(*nearest), radius);
+  if (!surface) return {{}, ContactRejection::no_surface};
+  const Vector3d touched_C = surface->project(p_C);
+  if (!object_C.nearest(touched_C, std::max(options.search_m, spacing_m)))
+    return {{}, ContactRejection::no_surface};
+  const double cosine = surface->normal.dot(inward_C);
+  if (std::abs(cosine) < std::cos(options.max_normal_tilt_rad)) return {{}, ContactRejection::facing_away};
+  return {{touched_C, std::copysign(1.0, cosine) * surface->normal}, std::nullopt};
+}
+
+}  // namespace
+
+void ContactOptions::validate() const {
+  requireOption(search_m > 0 && search_m <= 1, "contacts.search_m", search_m, "in (0, 1]");
+  requireOption(normal_radius_m > 0 && normal_radius_m <= 1, "contacts.normal_radius_m", normal_radius_m,
+                "in (0, 1]");
+  requireOption(max_normal_tilt_rad > 0 && max_normal_tilt_rad <= std::numbers::pi / 2,
+                "contacts.max_normal_tilt_rad", max_normal_tilt_rad, "in (0, pi/2]");
+}
+
+std::string_view describe(ContactRejection rejection) {
+  switch (rejection) {
+    case ContactRejection::no_surface:
+      return "no surface where a fingertip ends";
+    case ContactRejection::facing_away:
+      return "surface at a fingertip faces away";
+  }
+  return "unknown";
+}
+
+Contacts findContacts(const Face& face, const Triplet& triplet, const HandConfiguration& configuration,
+                      const PointGrid& object_C, double spacing_m, const ContactOptions& options) {
+  Contacts result;
+  for (int finger = 0; finger < 3; ++finger) {
+    const int point = configuration.point_of_finger[finger];
+    const Vector2d &p_F = triplet.points_F[point], &n_F = triplet.normals_F[point];
+    const Vector3d p_C = face.X_CF * Vector3d(p_F.x(), p_F.y(), configuration.depth_m[finger]);
+    const Vector3d n_C = face.X_CF.linear() * Vector3d(n_F.x(), n_F.y(), 0.0);
+    const Touch found = touch(p_C, n_C, object_C, spacing_m, options);
+    if (found.rejection) return {{}, found.rejection};
+    result.contacts[finger] = found.contact;
+  }
+  return result;
+}
+
+}  // namespace boxgrasp

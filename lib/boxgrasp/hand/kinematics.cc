@@ -1,0 +1,129 @@
+#include "boxgrasp/hand/kinematics.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace boxgrasp {
+namespace {
+
+// Angles of a finger's two links above the plane of the palm, and how fast the outer one turns with the
+// joint.
+struct LinkAngles {
+  double inner, outer;
+  double outer_rate;
+};
+
+LinkAngles linkAngles(const HandDescription& hand, double joint) {
+  const double coupled = hand.coupling * joint;
+  const bool at_limit = coupled > hand.outer_max;
+  const double inner = joint + hand.inner_rest;
+  return {inner, inner + hand.outer_rest + std::min(coupled, hand.outer_max),
+          at_limit ? 1.0 : 1.0 + hand.coupling};
+}
+
+Vector2d along(double length, double angle) { return {length * std::cos(angle), length * std::sin(angle)}; }
+
+// The derivative of `extension` by the joint angle.
+double extensionRate(const HandDescription& hand, double joint) {
+  const LinkAngles angles = linkAngles(hand, joint);
+  return -hand.inner_length * std::sin(angles.inner) -
+         angles.outer_rate * hand.tip_length * std::sin(angles.outer);
+}
+
+constexpr double kReachRounding = 1e-12;  // metres; an extension at the very end of the reach is in reach
+constexpr int kMaxIterations = 100;       // bisection alone needs 55
+
+// The names of the three links of F1, F2 and the thumb.
+constexpr std::string_view kLinkNames[3][3] = {{"F1 knuckle", "F1 inner link", "F1 outer link"},
+                                               {"F2 knuckle", "F2 inner link", "F2 outer link"},
+                                               {"thumb knuckle", "thumb inner link", "thumb outer link"}};
+
+Vector2d baseOf(const HandDescription& hand, int finger) {
+  const double side = finger == kF1 ? 1.0 : finger == kF2 ? -1.0 : 0.0;
+  return {side * hand.spread_offset, 0.0};
+}
+
+}  // namespace
+
+Vector2d fingertipInPlane(const HandDescription& hand, double inner) {
+  const LinkAngles angles = linkAngles(hand, inner);
+  return along(hand.inner_length, angles.inner) + along(hand.tip_length, angles.outer);
+}
+
+double extension(const HandDescription& hand, double inner) {
+  return fingertipInPlane(hand, inner).x() - hand.tip_radius;
+}
+
+double maxMonotoneAngle(const HandDescription& hand) {
+  if (extensionRate(hand, hand.inner_max) < 0) return hand.inner_max;
+  double falling = hand.inner_min, rising = hand.inner_max;
+  for (double mid = 0.5 * (falling + rising); mid > falling && mid < rising; mid = 0.5 * (falling + rising)) {
+    (extensionRate(hand, mid) < 0 ? falling : rising) = mid;
+  }
+  return falling;
+}
+
+Reach fingerReach(const HandDescription& hand) {
+  const double last = maxMonotoneAngle(hand);
+  return {hand.inner_min, last, extension(hand, last), extension(hand, hand.inner_min)};
+}
+
+std::optional<double> innerForExtension(const HandDescription& hand, double extension_m) {
+  return innerForExtension(hand, extension_m, fingerReach(hand));
+}
+
+std::optional<double> innerForExtension(const HandDescription& hand, double extension_m, const Reach& reach) {
+  const bool reached = extension_m >= reach.extension_min_m - kReachRounding &&
+                       extension_m <= reach.extension_max_m + kReachRounding;
+  if (!reached) return std::nullopt;
+  // Newton's method, kept inside a bracket: near the end of the monotone range the slope vanishes.
+  double low = reach.inner_min, high = reach.inner_max, joint = 0.5 * (low + high);
+  for (int i = 0; i < kMaxIterations; ++i) {
+    const double excess = extension(hand, joint) - extension_m;
+    if (excess == 0.0) return joint;
+    (excess > 0 ? low : high) = joint;
+    const double newton = joint - excess / extensionRate(hand, joint);
+    const double next = newton > low && newton < high ? newton : 0.5 * (low + high);
+    if (std::abs(next - joint) < 1e-15) return next;
+    joint = next;
+  }
+  return joint;
+}
+
+double tipHeight(const HandDescription& hand, double inner) {
+  return hand.joint_height + fingertipInPlane(hand, inner).y();
+}
+
+double linearDepth(const HandDescription& hand, double extension_m) {
+  return hand.depth_slope * extension_m + hand.depth_offset;
+}
+
+Vector2d fingerDirection(Finger finger, double spread) {
+  if (finger == kThumb) return {0.0, -1.0};
+  return {(finger == kF1 ? 1.0 : -1.0) * std::sin(spread), std::cos(spread)};
+}
+
+HandGeometry forwardKinematics(const HandDescription& hand, const HandJoints& joints) {
+  HandGeometry geometry;
+  geometry.palm_radius = hand.palm_radius;
+  geometry.palm_thickness = hand.palm_thickness;
+  for (int finger = 0; finger < 3; ++finger) {
+    const Vector2d base = baseOf(hand, finger);
+    const Vector2d direction = fingerDirection(static_cast<Finger>(finger), joints.spread);
+    const auto at = [&](const Vector2d& in_plane) {
+      const Vector2d p = base + (hand.base_radius + in_plane.x()) * direction;
+      return Vector3d(p.x(), p.y(), hand.joint_height + in_plane.y());
+    };
+    const Vector3d knuckle(base.x(), base.y(), hand.joint_height), inner_joint = at({0, 0});
+    const Vector3d outer_joint = at(along(hand.inner_length, linkAngles(hand, joints.inner[finger]).inner));
+    const Vector3d tip = at(fingertipInPlane(hand, joints.inner[finger]));
+    Capsule* links = &geometry.links[3 * finger];
+    links[0] = {kLinkNames[finger][0], finger, knuckle, inner_joint, hand.knuckle_radius};
+    links[1] = {kLinkNames[finger][1], finger, inner_joint, outer_joint, hand.inner_radius};
+    links[2] = {kLinkNames[finger][2], finger, outer_joint, tip, hand.outer_radius};
+    geometry.tips_P[finger] = tip;
+  }
+  return geometry;
+}
+
+}  // namespace boxgrasp
