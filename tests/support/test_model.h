@@ -1,0 +1,25 @@
+// A hand-made model for tests that need a ranking, but not a good one.
+#pragma once
+
+#include "boxgrasp/ranking/model_file.h"
+
+namespace boxgrasp::test {
+
+// Linear in the measures: a large grasp triangle (q1) is good, everything else is bad, each over a plausible
+// range.
+inline Model linearModel() {
+  Model model;
+  model.name = "test";
+  model.version = "00000000";
+  Network& network = model.network;
+  network.input.min = VectorXd::Zero(9);
+  network.input.max = (VectorXd(9) << 5e-3, 1.0, 1.0, 0.1, 1.5, 0.1, 0.05, 1e-3, 0.1).finished();
+  network.output.min = VectorXd::Zero(1);
+  network.output.max = VectorXd::Ones(1);
+  MatrixXd weights = MatrixXd::Constant(1, 9, -0.1);
+  weights(0, 0) = 0.2;
+  network.layers.push_back({weights, VectorXd::Zero(1)});
+  return model;
+}
+
+}  // namespace boxgrasp::test
