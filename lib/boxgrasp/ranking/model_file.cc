@@ -236,14 +236,14 @@ std::string readAll(const std::filesystem::path& file) {
   };
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error)) throw fail("there is no such regular file");
+  const std::uintmax_t size = std::filesystem::file_size(file, error);
+  if (error) throw fail(error.message());
+  if (size > kMaxFileBytes)
+    throw fail(fmt::format("has {} bytes, more than the {} of the largest model", size, kMaxFileBytes));
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw fail("cannot be opened");
-  std::string text(kMaxFileBytes + 1, '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (stream.bad()) throw fail("cannot be read");
-  text.resize(static_cast<std::size_t>(stream.gcount()));
-  if (text.size() > kMaxFileBytes)
-    throw fail(fmt::format("larger than {} bytes, which no model is", kMaxFileBytes));
+  std::string text(size, '\0');
+  if (!stream.read(text.data(), static_cast<std::streamsize>(size))) throw fail("cannot be read");
   return text;
 }
 
