@@ -1,0 +1,142 @@
+#include "boxgrasp/cloud/clean.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+
+#include "boxgrasp/base/error.h"
+#include "boxgrasp/base/tolerances.h"
+#include "boxgrasp/cloud/neighbours.h"
+#include "boxgrasp/cloud/voxels.h"
+#include "boxgrasp/geometry/canonical_frame.h"
+
+namespace boxgrasp {
+
+void CleanOptions::validate() const {
+  requireOption(voxel_m == 0.0 || (voxel_m >= 1e-5 && voxel_m <= 1.0), "voxel_m", voxel_m,
+                "0, or in [0.00001, 1]");
+  requireOption(outlier_neighbours >= 0 && outlier_neighbours <= 1000, "outlier_neighbours",
+                outlier_neighbours, "in [0, 1000]");
+  requireOption(outlier_deviations > 0.0, "outlier_deviations", outlier_deviations, "above 0");
+  requireOption(max_points >= 10, "max_points", max_points, "10 or more");
+}
+
+namespace {
+
+using Place = std::array<float, 3>;
+
+// The different places of some points, in ascending order.
+void collectPlaces(const PointCloud& cloud, std::span<const std::uint32_t> points,
+                   std::vector<Place>& places) {
+  places.clear();
+  for (const std::uint32_t i : points) places.push_back({cloud.x[i], cloud.y[i], cloud.z[i]});
+  if (places.size() == 1) return;
+  std::sort(places.begin(), places.end());
+  places.erase(std::unique(places.begin(), places.end()), places.end());
+}
+
+// Voxels in the canonical frame, of the edge asked for or larger, until no more than max_points are occupied.
+Voxels fittingVoxels(const PointCloud& cloud_K, const CleanOptions& options, double& edge_m,
+                     const StopToken& stop) {
+  edge_m = options.voxel_m;
+  for (;;) {
+    stop.check();
+    Voxels voxels = sortIntoVoxels(cloud_K, edge_m);
+    if (voxels.size() <= options.max_points) return voxels;
+    // The occupied voxels of a surface fall with the square of the edge.
+    const double excess = static_cast<double>(voxels.size()) / static_cast<double>(options.max_points);
+    edge_m *= 1.01 * std::sqrt(excess);
+  }
+}
+
+// Each voxel's mean.
+void even(const PointCloud& cloud_C, const Voxels& voxels, CleanCloud& result) {
+  std::vector<Place> places;
+  result.cloud_C = meansOf(cloud_C, voxels);
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
+    collectPlaces(cloud_C, voxels.points(i), places);
+    result.duplicates += voxels.points(i).size() - places.size();
+    result.merged += places.size() - 1;
+  }
+}
+
+// Each place once. The voxels serve the order alone.
+void dropDuplicates(const PointCloud& cloud_C, const Voxels& voxels, CleanCloud& result) {
+  std::vector<Place> places;
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
+    collectPlaces(cloud_C, voxels.points(i), places);
+    result.duplicates += voxels.points(i).size() - places.size();
+    for (const auto& [x, y, z] : places) result.cloud_C.push(Vector3d(x, y, z));
+  }
+}
+
+// A distance about that between neighbours, for points spread over a surface of the cloud's size.
+double typicalSpacing(const PointCloud& cloud) {
+  const double spacing = bounds(cloud).sizes().norm() / std::sqrt(2.0 * static_cast<double>(cloud.size()));
+  return std::max(spacing, tolerance::kCoincident);
+}
+
+// The indices whose mean distance to their neighbours is not far above that of all (Rusu et al., "Towards 3D
+// point cloud based object maps", as in PCL's StatisticalOutlierRemoval).
+std::vector<std::uint32_t> inliers(const std::vector<double>& distances, double deviations) {
+  const double n = static_cast<double>(distances.size());
+  double sum = 0.0, sum_of_squares = 0.0;
+  for (const double d : distances) {
+    sum += d;
+    sum_of_squares += d * d;
+  }
+  const double variance = std::max(0.0, (sum_of_squares - sum * sum / n) / (n - 1.0));
+  const double farthest = sum / n + deviations * std::sqrt(variance);
+  std::vector<std::uint32_t> kept;
+  for (std::size_t i = 0; i < distances.size(); ++i) {
+    if (distances[i] <= farthest) kept.push_back(static_cast<std::uint32_t>(i));
+  }
+  return kept;
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Drops the outliers and measures the spacing of the others.
+void judgeByNeighbours(const CleanOptions& options, double spacing_m, CleanCloud& result,
+                       const StopToken& stop) {
+  const std::size_t n = result.cloud_C.size();
+  if (n < 2) return;
+  const bool judged =
+      options.outlier_neighbours > 0 && n > static_cast<std::size_t>(options.outlier_neighbours);
+  const int k = judged ? options.outlier_neighbours : 1;
+  NeighbourDistances distances = neighbourDistances(result.cloud_C, k, 0.72 * std::sqrt(k) * spacing_m, stop);
+  if (judged) {
+    const auto kept = inliers(distances.mean, options.outlier_deviations);
+    result.outliers = n - kept.size();
+    result.cloud_C = select(result.cloud_C, kept);
+    for (std::size_t i = 0; i < kept.size(); ++i) distances.nearest[i] = distances.nearest[kept[i]];
+    distances.nearest.resize(kept.size());
+  }
+  result.spacing_m = median(std::move(distances.nearest));
+}
+
+}  // namespace
+
+CleanCloud clean(const PointCloud& cloud_C, const CleanOptions& options, const StopToken& stop) {
+  options.validate();
+  assert(!cloud_C.empty());
+  const PointCloud cloud_K = transformed(cloud_C, canonicalFrame(cloud_C).inverse());
+  CleanCloud result;
+  double spacing_m = typicalSpacing(cloud_C);
+  if (options.voxel_m > 0.0) {
+    const Voxels voxels = fittingVoxels(cloud_K, options, result.voxel_m, stop);
+    even(cloud_C, voxels, result);
+    spacing_m = result.voxel_m;
+  } else {
+    dropDuplicates(cloud_C, sortIntoVoxels(cloud_K, spacing_m), result);
+  }
+  judgeByNeighbours(options, spacing_m, result, stop);
+  return result;
+}
+
+}  // namespace boxgrasp

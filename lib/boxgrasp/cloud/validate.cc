@@ -1,0 +1,85 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "boxgrasp/base/error.h"
+#include "boxgrasp/base/tolerances.h"
+#include "boxgrasp/cloud/clean.h"
+
+namespace boxgrasp {
+
+void ValidationOptions::validate() const {
+  requireOption(min_extent_m >= 0.0, "min_extent_m", min_extent_m, "0 or more");
+  requireOption(max_extent_m > min_extent_m && max_extent_m <= 1000.0, "max_extent_m", max_extent_m,
+                "above min_extent_m and at most 1000");
+}
+
+namespace {
+
+FiniteCloud finitePoints(const PointCloud& cloud_C) {
+  FiniteCloud finite;
+  finite.source.reserve(cloud_C.size());
+  for (std::size_t i = 0; i < cloud_C.size(); ++i) {
+    if (cloud_C.point(i).allFinite()) finite.source.push_back(static_cast<std::uint32_t>(i));
+  }
+  finite.cloud_C = select(cloud_C, finite.source);
+  finite.non_finite = cloud_C.size() - finite.source.size();
+  return finite;
+}
+
+void requirePoints(const PointCloud& cloud_C, const FiniteCloud& finite) {
+  if (cloud_C.empty()) throw InputError("the cloud is empty; give one with points");
+  if (finite.cloud_C.empty()) {
+    throw InputError(
+        fmt::format("none of the cloud's {} points is finite; the sensor saw nothing", cloud_C.size()));
+  }
+  if (finite.cloud_C.size() == 1)
+    throw InputError("the cloud has one finite point only; an object needs more");
+}
+
+void requireExtent(const PointCloud& cloud_C, const Eigen::AlignedBox3d& box,
+                   const ValidationOptions& options) {
+  const double extent = box.sizes().maxCoeff();
+  if (extent <= tolerance::kCoincident) {
+    throw InputError(
+        fmt::format("all {} points of the cloud lie on one spot, ({}, {}, {}); an object has an extent",
+                    cloud_C.size(), box.min().x(), box.min().y(), box.min().z()));
+  }
+  if (extent < options.min_extent_m) {
+    throw InputError(fmt::format(
+        "the cloud's extent is {} m, below min_extent_m = {}; if its unit is not the metre, scale "
+        "it, for kilometres by `--scale 1000`",
+        extent, options.min_extent_m));
+  }
+  if (extent > options.max_extent_m) {
+    throw InputError(fmt::format(
+        "the cloud's extent is {} m, above max_extent_m = {}; if its unit is the millimetre, scale "
+        "it by `--scale 0.001`; else cut it to the objects",
+        extent, options.max_extent_m));
+  }
+}
+
+// Far from the origin neighbouring floats are millimetres apart, and shapes dissolve.
+void requireResolution(const Eigen::AlignedBox3d& box) {
+  const double farthest = std::max(box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff());
+  const double resolution = farthest * std::numeric_limits<float>::epsilon();
+  if (resolution <= tolerance::kFlatExtent) return;
+  throw InputError(
+      fmt::format("the cloud lies up to {} m from the origin, where its numbers resolve only {} m; subtract "
+                  "an offset first, or scale millimetres by `--scale 0.001`",
+                  farthest, resolution));
+}
+
+}  // namespace
+
+FiniteCloud validated(const PointCloud& cloud_C, const ValidationOptions& options) {
+  options.validate();
+  FiniteCloud finite = finitePoints(cloud_C);
+  requirePoints(cloud_C, finite);
+  const Eigen::AlignedBox3d box = bounds(finite.cloud_C);
+  requireExtent(finite.cloud_C, box, options);
+  requireResolution(box);
+  return finite;
+}
+
+}  // namespace boxgrasp

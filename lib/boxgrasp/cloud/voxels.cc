@@ -1,0 +1,104 @@
+#include "boxgrasp/cloud/voxels.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+
+#include "boxgrasp/base/simd.h"
+
+namespace boxgrasp {
+namespace voxel_passes {
+
+// Adds to each key the point's voxel number along one axis times that axis' stride.
+BOXGRASP_SIMD void addKeys(const float* values, std::size_t n, double per_edge, double first,
+                           std::int64_t stride, std::int64_t* keys) {
+  for (std::size_t i = 0; i < n; ++i) {
+    keys[i] += stride * static_cast<std::int32_t>(values[i] * per_edge + 0.5 - first);
+  }
+}
+
+}  // namespace voxel_passes
+
+namespace {
+
+struct KeyedPoint {
+  std::int64_t key;
+  std::uint32_t index;
+};
+
+// The key of each point's voxel. Sets the strides.
+std::vector<std::int64_t> computeKeys(const PointCloud& cloud, double edge_m, Voxels& voxels) {
+  const Eigen::AlignedBox3d box = bounds(cloud);
+  const double per_edge = 1.0 / std::max(edge_m, std::ldexp(box.sizes().maxCoeff(), -20));
+  const std::vector<float>* const axes[] = {&cloud.x, &cloud.y, &cloud.z};
+  std::vector<std::int64_t> keys(cloud.size(), 0);
+  std::int64_t strides[4] = {1};
+  for (int axis = 0; axis < 3; ++axis) {
+    const double first = std::floor(box.min()[axis] * per_edge + 0.5);
+    const double last = std::floor(box.max()[axis] * per_edge + 0.5);
+    voxel_passes::addKeys(axes[axis]->data(), cloud.size(), per_edge, first, strides[axis], keys.data());
+    strides[axis + 1] = strides[axis] * (static_cast<std::int64_t>(last - first) + 3);
+  }
+  voxels.stride_y = strides[1];
+  voxels.stride_z = strides[2];
+  return keys;
+}
+
+// Sorts by eleven bits of the key, keeping the order of equals.
+void countingSort(const std::vector<KeyedPoint>& from, std::vector<KeyedPoint>& to, int shift) {
+  constexpr std::size_t kBuckets = 1 << 11;
+  std::array<std::uint32_t, kBuckets + 1> start{};
+  for (const KeyedPoint& point : from) ++start[(point.key >> shift) % kBuckets + 1];
+  for (std::size_t i = 1; i < kBuckets; ++i) start[i] += start[i - 1];
+  for (const KeyedPoint& point : from) to[start[(point.key >> shift) % kBuckets]++] = point;
+}
+
+std::vector<KeyedPoint> sortedByKey(const std::vector<std::int64_t>& keys) {
+  const std::int64_t largest = *std::max_element(keys.begin(), keys.end());
+  std::vector<KeyedPoint> points(keys.size()), sorted(keys.size());
+  for (std::size_t i = 0; i < keys.size(); ++i) points[i] = {keys[i], static_cast<std::uint32_t>(i)};
+  for (int shift = 0; largest >> shift != 0; shift += 11) {
+    countingSort(points, sorted, shift);
+    points.swap(sorted);
+  }
+  return points;
+}
+
+}  // namespace
+
+Voxels sortIntoVoxels(const PointCloud& cloud, double edge_m) {
+  assert(!cloud.empty() && edge_m > 0.0);
+  Voxels voxels;
+  const std::vector<KeyedPoint> points = sortedByKey(computeKeys(cloud, edge_m, voxels));
+  voxels.order.resize(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    voxels.order[i] = points[i].index;
+    if (i > 0 && points[i].key == points[i - 1].key) continue;
+    voxels.begin.push_back(static_cast<std::uint32_t>(i));
+    voxels.keys.push_back(points[i].key);
+  }
+  voxels.begin.push_back(static_cast<std::uint32_t>(points.size()));
+  return voxels;
+}
+
+Vector3d meanOf(const PointCloud& cloud, std::span<const std::uint32_t> points) {
+  constexpr double kUnits = 0x1p26;  // per metre
+  std::int64_t x = 0, y = 0, z = 0;
+  for (const std::uint32_t i : points) {
+    x += static_cast<std::int64_t>(cloud.x[i] * kUnits);
+    y += static_cast<std::int64_t>(cloud.y[i] * kUnits);
+    z += static_cast<std::int64_t>(cloud.z[i] * kUnits);
+  }
+  const Vector3d sum(static_cast<double>(x), static_cast<double>(y), static_cast<double>(z));
+  return sum / (kUnits * static_cast<double>(points.size()));
+}
+
+PointCloud meansOf(const PointCloud& cloud, const Voxels& voxels) {
+  PointCloud means;
+  means.reserve(voxels.size());
+  for (std::size_t i = 0; i < voxels.size(); ++i) means.push(meanOf(cloud, voxels.points(i)));
+  return means;
+}
+
+}  // namespace boxgrasp
