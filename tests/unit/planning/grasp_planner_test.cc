@@ -129,7 +129,7 @@ TEST_P(PlannerOnObjects, MirroredCloudGivesMirroredContacts) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Objects, PlannerOnObjects, ::testing::Values("mug", "radio", "bottle"),
-                         [](const auto& info) { return std::string(info.param); });
+                         [](const auto& object) { return std::string(object.param); });
 
 void expectSameBytes(const PlanResult& a, const PlanResult& b) {
   ASSERT_EQ(a.grasps.size(), b.grasps.size());
