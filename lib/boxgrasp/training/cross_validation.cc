@@ -35,11 +35,10 @@ void checkObjects(const std::vector<Object>& objects) {
 }
 
 std::vector<Object> objectsOf(const GroupedSamples& data) {
-  if (static_cast<Index>(data.objects.size()) != data.samples.targets.size() ||
-      data.samples.inputs.rows() != data.samples.targets.size()) {
-    throw InputError(fmt::format(
-        "cross validation: {} rows of inputs, {} targets and {} object names; give one of each a grasp",
-        data.samples.inputs.rows(), data.samples.targets.size(), data.objects.size()));
+  checkSamples(data.samples, "cross validation");
+  if (static_cast<Index>(data.objects.size()) != data.samples.targets.size()) {
+    throw InputError(fmt::format("cross validation: {} targets and {} object names; give one name a grasp",
+                                 data.samples.targets.size(), data.objects.size()));
   }
   std::map<std::string, std::vector<Index>> rows;
   for (std::size_t i = 0; i < data.objects.size(); ++i)

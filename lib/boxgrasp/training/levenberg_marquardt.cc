@@ -224,7 +224,7 @@ class Descent {
 
 // --- input
 
-void checkFinite(const MatrixXd& values, const char* set, const char* what) {
+void checkFinite(const MatrixXd& values, const std::string& set, const char* what) {
   for (Index r = 0; r < values.rows(); ++r) {
     for (Index c = 0; c < values.cols(); ++c) {
       if (std::isfinite(values(r, c))) continue;
@@ -235,18 +235,16 @@ void checkFinite(const MatrixXd& values, const char* set, const char* what) {
   }
 }
 
-void checkSamples(const Samples& samples, Index features, const char* set) {
-  if (samples.inputs.rows() != samples.targets.size()) {
-    throw InputError(fmt::format("{} samples: {} rows of inputs, but {} targets; give one target a row", set,
-                                 samples.inputs.rows(), samples.targets.size()));
-  }
-  if (samples.targets.size() > 0 && samples.inputs.cols() != features) {
-    throw InputError(
-        fmt::format("{} samples: {} features, but the training samples have {}; give both the same", set,
-                    samples.inputs.cols(), features));
-  }
-  checkFinite(samples.inputs, set, "the input");
-  checkFinite(samples.targets, set, "the target");
+void checkSets(const Samples& training, const Samples& validation) {
+  checkSamples(training, "training");
+  if (training.targets.size() == 0)
+    throw InputError("training samples: there are none; give at least one grasp");
+  if (validation.targets.size() == 0) return;
+  checkSamples(validation, "validation");
+  if (validation.inputs.cols() == training.inputs.cols()) return;
+  throw InputError(
+      fmt::format("validation samples: {} features, but the training samples have {}; give both the same",
+                  validation.inputs.cols(), training.inputs.cols()));
 }
 
 Network untrained(const Samples& training, const LevenbergMarquardtOptions& options, int start) {
@@ -293,14 +291,12 @@ Trained train(const Samples& training, const Samples& validation, const Levenber
               const StopToken& stop) {
   const auto begin = std::chrono::steady_clock::now();
   options.validate();
-  if (training.targets.size() == 0)
-    throw InputError("training samples: there are none; give at least one grasp");
-  checkSamples(training, training.inputs.cols(), "training");
-  checkSamples(validation, training.inputs.cols(), "validation");
+  checkSets(training, validation);
   Network network = untrained(training, options, 0);
   checkSize(network);
-  const NormalisedSamples training_set = normalised(training, network),
-                          validation_set = normalised(validation, network);
+  const NormalisedSamples training_set = normalised(training, network);
+  const NormalisedSamples validation_set =
+      validation.targets.size() > 0 ? normalised(validation, network) : NormalisedSamples{};
   const Problem problem{training_set, validation_set, options, stop};
   std::optional<Trained> best;
   for (int start = 0; start < options.starts; ++start) {
@@ -311,6 +307,19 @@ Trained train(const Samples& training, const Samples& validation, const Levenber
   }
   best->report.time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return *best;
+}
+
+void checkSamples(const Samples& samples, const std::string& set) {
+  if (samples.inputs.rows() != samples.targets.size()) {
+    throw InputError(fmt::format("{} samples: {} rows of inputs, but {} targets; give one target a row", set,
+                                 samples.inputs.rows(), samples.targets.size()));
+  }
+  if (samples.inputs.cols() < 1 || samples.inputs.cols() > Network::kMaxNodes) {
+    throw InputError(
+        fmt::format("{} samples: {} features; give 1 to {}", set, samples.inputs.cols(), Network::kMaxNodes));
+  }
+  checkFinite(samples.inputs, set, "the input");
+  checkFinite(samples.targets, set, "the target");
 }
 
 ResidualsAndJacobian residualsAndJacobian(const Network& network, const Samples& samples) {

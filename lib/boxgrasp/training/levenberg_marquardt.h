@@ -16,6 +16,10 @@ struct Samples {
   VectorXd targets;  // n
 };
 
+// Throws InputError, naming the set and the row and column, for numbers that are not finite, for other
+// numbers of rows and of targets, and for no or too many features.
+void checkSamples(const Samples& samples, const std::string& set);
+
 struct LevenbergMarquardtOptions {
   std::vector<int> hidden = {8};  // nodes of each hidden layer (paper IV.C: 8); empty for a linear model
   int max_epochs = 100;  // "no training phase required more than 100 epochs"; 0 keeps the first guess
