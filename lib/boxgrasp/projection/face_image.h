@@ -9,9 +9,10 @@
 namespace boxgrasp {
 
 struct ImageOptions {
-  double pixel_m = 0.001;          // edge of a pixel; smaller: finer contours, slower
-  int border_px = 12;              // empty pixels around the face, so that smoothing and contours do not meet the image's edge
-  int max_side_px = 2048;          // faces that would need more pixels get larger ones
+  double pixel_m = 0.001;  // edge of a pixel; smaller: finer contours, slower
+  int border_px =
+      12;  // empty pixels around the face, so that smoothing and contours do not meet the image's edge
+  int max_side_px = 2048;  // faces that would need more pixels get larger ones
   void validate() const;
 };
 
@@ -20,19 +21,22 @@ struct ImageOptions {
 struct FaceImage {
   Face face;
   int width = 0, height = 0;
-  double pixel_m = -1.0;                 // the edge that was used
-  double spacing_m = -1.0;               // of the points projected: their median nearest-neighbour distance
-  std::vector<std::uint8_t> gray;        // the nearest point in each pixel
-  std::vector<std::uint8_t> farthest;    // the farthest point in each pixel, in the same scale
+  double pixel_m = -1.0;               // the edge that was used
+  double spacing_m = -1.0;             // of the points projected: their median nearest-neighbour distance
+  std::vector<std::uint8_t> gray;      // the nearest point in each pixel
+  std::vector<std::uint8_t> farthest;  // the farthest point in each pixel, in the same scale
 
   std::uint8_t at(int column, int row) const { return gray[static_cast<std::size_t>(row) * width + column]; }
-  Vector2d toFace(const Vector2d& pixel) const;     // p_F (x, y) of image coordinates (column, row); a pixel's centre is at whole numbers
+  Vector2d toFace(const Vector2d& pixel)
+      const;  // p_F (x, y) of image coordinates (column, row); a pixel's centre is at whole numbers
   Vector2d toPixel(const Vector2d& p_F) const;
-  double depthOf(double gray_value) const;          // metres below the face; pre: gray_value in [1, 255]
+  double depthOf(double gray_value) const;  // metres below the face; pre: gray_value in [1, 255]
 };
 
-// Projects the leaf's points onto the face. `spacing_m`: the cloud's, from cleaning.
-FaceImage projectFace(const Face& face, const PointCloud& cloud_C, const std::vector<std::uint32_t>& points, double spacing_m,
-                      const ImageOptions& options = {});
+// Projects the leaf's points onto the face. Points outside the face's box count as on its border.
+// `spacing_m`: the cloud's, from cleaning; -1 when unknown. Throws InputError for bad options. Pre: the
+// face's sizes and depth are positive.
+FaceImage projectFace(const Face& face, const PointCloud& cloud_C, const std::vector<std::uint32_t>& points,
+                      double spacing_m, const ImageOptions& options = {});
 
 }  // namespace boxgrasp

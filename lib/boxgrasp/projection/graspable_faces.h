@@ -1,8 +1,9 @@
-// The faces of leaf boxes from which a hand may approach (paper III, "valid in terms of visibility, reachability, and more").
+// The faces of leaf boxes from which a hand may approach (paper III, "valid in terms of visibility,
+// reachability, and more").
 #pragma once
 
 #include <optional>
-#include <string>
+#include <string_view>
 #include <vector>
 
 #include "boxgrasp/base/stop_token.h"
@@ -11,38 +12,44 @@
 
 namespace boxgrasp {
 
-// A face of a leaf box. Frame F: origin at the face's centre, z into the box (the approach direction), x along the longer edge of the
-// face, y = z cross x: seen from outside, x points right and y down, like the columns and rows of its image.
+// A face of a leaf box. Frame F: origin at the face's centre, z into the box (the approach direction), x
+// along the longer edge of the face, y = z cross x: seen from outside, x points right and y down, like the
+// columns and rows of its image.
 struct Face {
-  int node = -1;             // index of the leaf in BoxTree::nodes
-  int axis = -1;             // box axis that the face is normal to: 0, 1 or 2
-  int sign = 0;              // +1 or -1: the side of the box along that axis
+  int node = -1;  // index of the leaf in BoxTree::nodes
+  int axis = -1;  // box axis that the face is normal to: 0, 1 or 2
+  int sign = 0;   // +1 or -1: the side of the box along that axis
   Pose X_CF = Pose::Identity();
-  Vector2d size{-1, -1};     // extents along x and y, metres; x >= y
-  double depth_m = -1.0;     // extent of the box along z
+  Vector2d size{-1, -1};  // extents along x and y, metres; x >= y
+  double depth_m = -1.0;  // extent of the box along z
 };
 
 enum class FaceRejection {
   none,
-  blocked,       // points outside the box stand where the hand would come from
-  shared,        // mostly covered by a neighbouring box: an inside of the object
-  hidden,        // turned away from the sensor
-  supported,     // faces the ground or the table
-  too_wide,      // wider than the hand opens
-  too_narrow,    // no room for a finger
-  too_shallow,   // less deep than a fingertip needs
+  blocked,      // points outside the box stand where the hand would come from
+  shared,       // mostly covered by a neighbouring box: an inside of the object
+  hidden,       // turned away from the sensor
+  supported,    // faces the ground or the table
+  too_wide,     // wider than the hand opens
+  too_narrow,   // no room for a finger
+  too_shallow,  // less deep than a fingertip needs
 };
-std::string_view describe(FaceRejection rejection);   // e.g. "face blocked by other points"
+std::string_view describe(FaceRejection rejection);  // e.g. "face blocked by other points"
 
 struct FaceOptions {
-  double max_aperture_m = 0.20;         // the smaller edge of a face may not be longer: twice the Barrett hand's practical reach
-  double min_width_m = 0.005;           // the smaller edge may not be shorter: nothing to press against
-  double min_depth_m = 0.010;           // the box may not be shallower: about the depth of a fingertip
-  double hand_width_m = 0.090;          // side of the square that the palm sweeps in front of the face
-  double hand_depth_m = 0.110;          // how far before the face the hand needs room: the length of its fingers
-  double max_blocked_fraction = 0.10;   // blocked beyond this share of the swept square (in cells of 5 mm with a point in them)
-  double max_shared_fraction = 0.50;    // shared beyond this share of the face covered by another leaf box
-  double max_support_cosine = 0.70;     // supported: the outward normal is within acos(this) of gravity
+  double max_aperture_m =
+      0.20;  // the smaller edge of a face may not be longer: twice the Barrett hand's practical reach
+  double min_width_m = 0.005;   // the smaller edge may not be shorter: nothing to press against
+  double min_depth_m = 0.010;   // the box may not be shallower: about the depth of a fingertip
+  double hand_width_m = 0.090;  // side of the square that the palm sweeps in front of the face
+  double hand_depth_m = 0.110;  // how far before the face the hand needs room: the length of its fingers
+  double max_blocked_fraction =
+      0.10;  // blocked beyond this share of the swept square (in cells of 5 mm with a point in
+             // them; points within 3 mm of the face's plane belong to the face)
+  double max_shared_fraction =
+      0.50;  // shared beyond this share of the face covered by another leaf box (2 mm outside the
+             // face, boxes grown by 2 mm: cut boxes shrink to their points and leave a gap)
+  double max_support_cosine = 0.70;  // supported: the outward normal is within acos(this) of gravity
   void validate() const;
 };
 
@@ -54,13 +61,16 @@ struct FaceDecision {
 
 // What is known about the world around the object.
 struct Surroundings {
-  std::optional<Vector3d> gravity_C;     // unit, pointing down; unknown: no face is rejected as supported
-  std::optional<Vector3d> viewpoint_C;   // where the sensor stood; unknown: no face is rejected as hidden
+  std::optional<Vector3d> gravity_C;    // unit, pointing down; unknown: no face is rejected as supported
+  std::optional<Vector3d> viewpoint_C;  // where the sensor stood; unknown: no face is rejected as hidden
 };
 
-// All six faces of every leaf, in order of leaf, axis, sign (-1 first), each with the reason for its rejection, if any.
-// `scene` holds every point that a hand could meet: the object, its neighbours, the table.
-std::vector<FaceDecision> graspableFaces(const BoxTree& tree, const PointGrid& scene, const Surroundings& surroundings,
-                                         const FaceOptions& options = {}, const StopToken& stop = {});
+// All six faces of every leaf, in order of leaf, axis, sign (-1 first), each with the reason for its
+// rejection, if any. A face with several reasons tells the first of: its size, hidden, supported, shared,
+// blocked (from the cheapest test to the dearest). `scene` holds every point that a hand could meet: the
+// object, its neighbours, the table.
+std::vector<FaceDecision> graspableFaces(const BoxTree& tree, const PointGrid& scene,
+                                         const Surroundings& surroundings, const FaceOptions& options = {},
+                                         const StopToken& stop = {});
 
 }  // namespace boxgrasp

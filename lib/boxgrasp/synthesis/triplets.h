@@ -11,23 +11,29 @@
 namespace boxgrasp {
 
 struct TripletOptions {
-  double friction = 0.4;               // Coulomb coefficient of finger on object; definitions: wood on wood or plastic
-  double end_margin_m = 0.0115;        // finger points keep half a finger's width from the ends of regions that are long enough
-  std::size_t max_triplets = 2000;     // per face; the largest focus areas stay
+  double friction = 0.4;  // Coulomb coefficient of finger on object; definitions: wood on wood or plastic
+  double end_margin_m = 0.0115;  // finger points keep half a finger's width from the ends of their region, or
+                                 // the middle of a shorter one
+  std::size_t max_triplets = 2000;  // per face; the largest focus areas stay
   void validate() const;
 };
 
-// Three regions on which three fingers can hold: p_F are the finger points, focus_F the point where their friction cones meet.
+// Three regions on which three fingers can hold: p_F are the finger points, focus_F the point where their
+// friction cones meet.
 struct Triplet {
   std::array<int, 3> regions{-1, -1, -1};
   Vector2d focus_F{0, 0};
-  double focus_area_m2 = -1.0;                       // of the intersection of the three regions' union friction cones
+  double focus_area_m2 = -1.0;  // of the intersection of the three regions' union friction cones
   std::array<Vector2d, 3> points_F{};
-  std::array<Vector2d, 3> normals_F{};               // unit, into the material
-  std::array<double, 3> nearest_depth_m{-1, -1, -1};   // depth of the surface's upper edge at each point (d_i of Eq. 4)
-  std::array<double, 3> farthest_depth_m{-1, -1, -1};  // depth down to which points of the box lie within 4 mm of the point, in the image
+  std::array<Vector2d, 3> normals_F{};  // unit, into the material
+  std::array<double, 3> nearest_depth_m{
+      -1, -1, -1};  // depth of the surface's upper edge at each point (d_i of Eq. 4): 2 pixels inside
+                    // the contour, or where the surface begins along the normal
+  std::array<double, 3> farthest_depth_m{
+      -1, -1, -1};  // depth down to which points of the box lie within 4 mm of the point, in the image
 };
 
+// Every triple of regions is considered once, and is a triplet or counts under the first reason against it.
 struct TripletCounts {
   std::size_t considered = 0, not_spanning = 0, cones_apart = 0, focus_outside = 0, over_limit = 0;
 };
@@ -37,15 +43,18 @@ struct Triplets {
   TripletCounts counts;
 };
 
-// True when the three unit normals positively span the plane: every gap between neighbouring directions is below 180 degrees.
+// True when the three unit normals positively span the plane: every gap between neighbouring directions is
+// below 180 degrees.
 bool positivelySpan(const std::array<Vector2d, 3>& normals);
 
 // The union of the friction cones of all points of a region, cut with `bounds` (a convex polygon).
 Polygon unionCone(const Region& region, double friction, const Polygon& bounds);
 
-// All triplets of regions that satisfy both criteria of III.B, with the exact centroid of the intersection polygon as focus, projected back to the
-// regions; the focus lies strictly inside the triangle of the points. `filled_image` gives the depths.
-Triplets findTriplets(const std::vector<Region>& regions, const FaceImage& filled_image, const TripletOptions& options = {},
-                      const StopToken& stop = {});
+// All triplets of regions, in the order of their indices, that satisfy both criteria of III.B, with the exact
+// centroid of the intersection polygon as focus, projected back to the regions; the focus lies strictly
+// inside the triangle of the points. `filled_image` is the one that the regions were found in; it gives the
+// depths. Throws InputError for bad options, Stopped when told to stop.
+Triplets findTriplets(const std::vector<Region>& regions, const FaceImage& filled_image,
+                      const TripletOptions& options = {}, const StopToken& stop = {});
 
 }  // namespace boxgrasp

@@ -1,0 +1,174 @@
+#include "boxgrasp/projection/graspable_faces.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "boxgrasp/base/error.h"
+
+namespace boxgrasp {
+namespace {
+
+constexpr double kBlockCell_m = 0.005;      // edge of the cells in which the swept square is counted
+constexpr double kFaceThickness_m = 0.003;  // points this near the plane belong to the face
+constexpr double kJustOutside_m =
+    0.002;                          // where a face is tested for neighbours, and how much these are grown
+constexpr int kSharedSamples = 12;  // samples along each edge of a face
+
+Face faceOf(const OrientedBox& box, int node, int axis, int sign) {
+  const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+  const int longer = box.extents[u] >= box.extents[v] ? u : v, shorter = u + v - longer;
+  const Vector3d outward_C = sign * box.X_CB.linear().col(axis);
+  Matrix3d R_CF;
+  R_CF.col(0) = box.X_CB.linear().col(longer);
+  R_CF.col(2) = -outward_C;
+  R_CF.col(1) = R_CF.col(2).cross(R_CF.col(0));
+  Face face;
+  face.node = node;
+  face.axis = axis;
+  face.sign = sign;
+  face.X_CF = makePose(R_CF, box.X_CB.translation() + 0.5 * box.extents[axis] * outward_C);
+  face.size = {box.extents[longer], box.extents[shorter]};
+  face.depth_m = box.extents[axis];
+  return face;
+}
+
+bool near(const Face& face, const OrientedBox& box) {
+  const double reach = 0.5 * (face.size.norm() + box.extents.norm()) + 2.0 * kJustOutside_m;
+  return (box.X_CB.translation() - face.X_CF.translation()).norm() <= reach;
+}
+
+std::vector<const OrientedBox*> neighbours(const Face& face, const BoxTree& tree) {
+  std::vector<const OrientedBox*> boxes;
+  for (const int leaf : tree.leaves()) {
+    if (leaf != face.node && near(face, tree.nodes[leaf].box)) boxes.push_back(&tree.nodes[leaf].box);
+  }
+  return boxes;
+}
+
+bool inAny(const std::vector<const OrientedBox*>& boxes, const Vector3d& p_C) {
+  return std::any_of(boxes.begin(), boxes.end(),
+                     [&](const OrientedBox* box) { return box->contains(p_C, kJustOutside_m); });
+}
+
+double sharedFraction(const Face& face, const BoxTree& tree) {
+  const auto boxes = neighbours(face, tree);
+  if (boxes.empty()) return 0.0;
+  int covered = 0;
+  for (int i = 0; i < kSharedSamples; ++i) {
+    for (int j = 0; j < kSharedSamples; ++j) {
+      const Vector2d at = Vector2d(i + 0.5, j + 0.5) / kSharedSamples - Vector2d(0.5, 0.5);
+      const Vector3d p_F(at.x() * face.size.x(), at.y() * face.size.y(), -kJustOutside_m);
+      covered += inAny(boxes, face.X_CF * p_F);
+    }
+  }
+  return static_cast<double>(covered) / (kSharedSamples * kSharedSamples);
+}
+
+bool isBlocked(const Face& face, const PointGrid& scene, const FaceOptions& options) {
+  const double half = 0.5 * options.hand_width_m;
+  const Eigen::AlignedBox3d swept_F(Vector3d(-half, -half, -options.hand_depth_m),
+                                    Vector3d(half, half, -kFaceThickness_m));
+  const int cells = static_cast<int>(std::ceil(options.hand_width_m / kBlockCell_m));
+  std::vector<bool> occupied(static_cast<std::size_t>(cells) * cells, false);
+  const double allowed = options.max_blocked_fraction * static_cast<double>(occupied.size());
+  const Pose X_FC = face.X_CF.inverse();
+  int count = 0;
+  return scene.visitBox(swept_F.transformed(face.X_CF), [&](std::uint32_t i) {
+    const Vector3d p_F = X_FC * scene.cloud().point(i);
+    if (!swept_F.contains(p_F)) return false;
+    const int column = std::min(cells - 1, static_cast<int>((p_F.x() + half) / kBlockCell_m));
+    const int row = std::min(cells - 1, static_cast<int>((p_F.y() + half) / kBlockCell_m));
+    auto cell = occupied[static_cast<std::size_t>(row) * cells + column];
+    if (cell) return false;
+    cell = true;
+    return ++count > allowed;
+  });
+}
+
+FaceRejection rejectionOfSize(const Face& face, const FaceOptions& options) {
+  if (face.size.y() > options.max_aperture_m) return FaceRejection::too_wide;
+  if (face.size.y() < options.min_width_m) return FaceRejection::too_narrow;
+  if (face.depth_m < options.min_depth_m) return FaceRejection::too_shallow;
+  return FaceRejection::none;
+}
+
+FaceRejection rejectionOfDirection(const Face& face, const Surroundings& surroundings,
+                                   const FaceOptions& options) {
+  const Vector3d outward_C = -face.X_CF.linear().col(2);
+  const auto& viewpoint_C = surroundings.viewpoint_C;
+  if (viewpoint_C && outward_C.dot(*viewpoint_C - face.X_CF.translation()) <= 0.0)
+    return FaceRejection::hidden;
+  if (surroundings.gravity_C && outward_C.dot(*surroundings.gravity_C) > options.max_support_cosine)
+    return FaceRejection::supported;
+  return FaceRejection::none;
+}
+
+FaceRejection rejectionOf(const Face& face, const BoxTree& tree, const PointGrid& scene,
+                          const Surroundings& surroundings, const FaceOptions& options) {
+  const FaceRejection size = rejectionOfSize(face, options);
+  if (size != FaceRejection::none) return size;
+  const FaceRejection direction = rejectionOfDirection(face, surroundings, options);
+  if (direction != FaceRejection::none) return direction;
+  if (sharedFraction(face, tree) > options.max_shared_fraction) return FaceRejection::shared;
+  return isBlocked(face, scene, options) ? FaceRejection::blocked : FaceRejection::none;
+}
+
+}  // namespace
+
+std::string_view describe(FaceRejection rejection) {
+  switch (rejection) {
+    case FaceRejection::none:
+      return "face graspable";
+    case FaceRejection::blocked:
+      return "face blocked by other points";
+    case FaceRejection::shared:
+      return "face covered by a neighbouring box";
+    case FaceRejection::hidden:
+      return "face turned away from the sensor";
+    case FaceRejection::supported:
+      return "face towards the ground";
+    case FaceRejection::too_wide:
+      return "face wider than the hand opens";
+    case FaceRejection::too_narrow:
+      return "face too narrow for a finger";
+    case FaceRejection::too_shallow:
+      return "box too shallow under the face";
+  }
+  assert(false);
+  return "";
+}
+
+void FaceOptions::validate() const {
+  requireOption(max_aperture_m > 0.0, "faces.max_aperture_m", max_aperture_m, "above 0");
+  requireOption(min_width_m >= 0.0, "faces.min_width_m", min_width_m, "at least 0");
+  requireOption(min_depth_m >= 0.0, "faces.min_depth_m", min_depth_m, "at least 0");
+  requireOption(hand_width_m >= kBlockCell_m && hand_width_m <= 10.0, "faces.hand_width_m", hand_width_m,
+                "in [0.005, 10]");
+  requireOption(hand_depth_m > kFaceThickness_m, "faces.hand_depth_m", hand_depth_m, "above 0.003");
+  requireOption(max_blocked_fraction >= 0.0 && max_blocked_fraction <= 1.0, "faces.max_blocked_fraction",
+                max_blocked_fraction, "in [0, 1]");
+  requireOption(max_shared_fraction >= 0.0 && max_shared_fraction <= 1.0, "faces.max_shared_fraction",
+                max_shared_fraction, "in [0, 1]");
+  requireOption(max_support_cosine >= -1.0 && max_support_cosine <= 1.0, "faces.max_support_cosine",
+                max_support_cosine, "in [-1, 1]");
+}
+
+std::vector<FaceDecision> graspableFaces(const BoxTree& tree, const PointGrid& scene,
+                                         const Surroundings& surroundings, const FaceOptions& options,
+                                         const StopToken& stop) {
+  options.validate();
+  std::vector<FaceDecision> decisions;
+  for (const int leaf : tree.leaves()) {
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const int sign : {-1, 1}) {
+        stop.check();
+        const Face face = faceOf(tree.nodes[leaf].box, leaf, axis, sign);
+        decisions.push_back({face, rejectionOf(face, tree, scene, surroundings, options)});
+      }
+    }
+  }
+  return decisions;
+}
+
+}  // namespace boxgrasp

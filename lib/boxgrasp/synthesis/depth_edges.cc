@@ -1,0 +1,220 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+
+#include "boxgrasp/synthesis/edges.h"
+
+namespace boxgrasp {
+namespace {
+
+constexpr int kBins = 64;  // of the gradient histogram, as Matlab's edge()
+constexpr double kKnown =
+    0.841 * 65535.0;  // coverage 1 sigma inside a straight border: from here on there is a gradient,
+constexpr double kClear =
+    0.977 * 65535.0;  // and from 2 sigma on, with neighbours to compare, there are edges
+constexpr double kStepReach =
+    1.6;  // sigmas to either side of an edge where its step is measured: 4 px for 2.5
+
+// The depth smoothed over the occupied pixels only (normalised convolution), in gray levels; 0 elsewhere.
+cv::Mat smoothedDepth(const cv::Mat& gray, const cv::Mat& coverage, double sigma_px) {
+  cv::Mat wide;
+  gray.convertTo(wide, CV_16U, 257.0);
+  cv::GaussianBlur(wide, wide, {}, sigma_px, sigma_px, cv::BORDER_REPLICATE);
+  cv::Mat depth = cv::Mat::zeros(gray.size(), CV_64F);
+  for (int row = 0; row < gray.rows; ++row) {
+    for (int column = 0; column < gray.cols; ++column) {
+      const double weight = coverage.at<std::uint16_t>(row, column);
+      if (weight > 0.0) depth.at<double>(row, column) = 255.0 * wide.at<std::uint16_t>(row, column) / weight;
+    }
+  }
+  return depth;
+}
+
+// The gradient of the smoothed depth; zero near the silhouettes.
+class Gradient {
+ public:
+  Gradient(const cv::Mat& depth, const cv::Mat& coverage)
+      : width_(depth.cols), vectors_(depth.total(), Vector2d::Zero()), magnitudes_(depth.total(), 0.0) {
+    for (int row = 1; row + 1 < depth.rows; ++row) {
+      for (int column = 1; column + 1 < depth.cols; ++column) {
+        const double inside = coverage.at<std::uint16_t>(row, column);
+        if (inside < kKnown) continue;
+        const double dx = depth.at<double>(row, column + 1) - depth.at<double>(row, column - 1);
+        const double dy = depth.at<double>(row + 1, column) - depth.at<double>(row - 1, column);
+        const std::size_t pixel = index(column, row);
+        vectors_[pixel] = 0.5 * Vector2d(dx, dy);
+        magnitudes_[pixel] = vectors_[pixel].norm();
+        if (inside >= kClear) clear_.push_back(pixel);
+      }
+    }
+  }
+
+  int width() const { return width_; }
+  const std::vector<std::size_t>& clearPixels() const { return clear_; }  // clear of the silhouettes
+  double magnitude(std::size_t pixel) const { return magnitudes_[pixel]; }
+  Vector2d direction(std::size_t pixel) const { return vectors_[pixel] / magnitudes_[pixel]; }
+  Vector2d position(std::size_t pixel) const {
+    return {static_cast<double>(pixel % width_), static_cast<double>(pixel / width_)};
+  }
+  // Bilinear; pre: at least a pixel inside the image.
+  double magnitudeAt(const Vector2d& p) const {
+    const int column = static_cast<int>(p.x()), row = static_cast<int>(p.y());
+    const double x = p.x() - column, y = p.y() - row;
+    const std::size_t at = index(column, row);
+    return (1 - y) * ((1 - x) * magnitudes_[at] + x * magnitudes_[at + 1]) +
+           y * ((1 - x) * magnitudes_[at + width_] + x * magnitudes_[at + width_ + 1]);
+  }
+
+ private:
+  std::size_t index(int column, int row) const { return static_cast<std::size_t>(row) * width_ + column; }
+
+  int width_;
+  std::vector<Vector2d> vectors_;
+  std::vector<double> magnitudes_;
+  std::vector<std::size_t> clear_;
+};
+
+struct Thresholds {
+  double low, high;
+};
+
+// As Matlab's edge(): the upper bound of the first of 64 bins with which more than the given share of the
+// pixels is counted.
+Thresholds automaticThresholds(const Gradient& gradient, const DepthEdgeOptions& options) {
+  double most = 0.0;
+  for (const auto pixel : gradient.clearPixels()) most = std::max(most, gradient.magnitude(pixel));
+  std::array<std::size_t, kBins> counts{};
+  for (const auto pixel : gradient.clearPixels()) {
+    if (most > 0.0) ++counts[std::min(kBins - 1, static_cast<int>(gradient.magnitude(pixel) / most * kBins))];
+  }
+  const double share = options.high_quantile * static_cast<double>(gradient.clearPixels().size());
+  std::size_t below = 0;
+  int bin = 0;
+  while (bin < kBins && static_cast<double>(below) <= share) below += counts[bin++];
+  const double high = most * bin / kBins;
+  return {options.low_fraction * high, high};
+}
+
+// How much deeper the surface is behind the edge than before it, in gray levels, beyond what the gentler of
+// the slopes on both sides explains: a steep but steady slope has no step.
+double stepAcross(const cv::Mat& gray, const Vector2d& p, const Vector2d& towards_near, double reach_px) {
+  const auto sample = [&](double reaches) -> std::optional<double> {
+    const Vector2d at = p + reaches * reach_px * towards_near;
+    const cv::Point pixel(static_cast<int>(std::lround(at.x())), static_cast<int>(std::lround(at.y())));
+    if (!pixel.inside({0, 0, gray.cols, gray.rows}) || gray.at<std::uint8_t>(pixel) == 0) return std::nullopt;
+    return gray.at<std::uint8_t>(pixel);
+  };
+  const auto near = sample(1), far = sample(-1), nearer = sample(2), farther = sample(-2);
+  if (!near || !far) return 0.0;
+  const double slope_near = nearer ? std::max(0.0, *nearer - *near) : 0.0;
+  const double slope_far = farther ? std::max(0.0, *far - *farther) : 0.0;
+  return *near - *far - 2.0 * std::min(slope_near, slope_far);
+}
+
+// The place of the greatest gradient across the edge, from the parabola through three samples; nullopt when
+// this pixel is not a maximum.
+std::optional<Vector2d> maximumAt(const Gradient& gradient, std::size_t pixel) {
+  const Vector2d p = gradient.position(pixel), u = gradient.direction(pixel);
+  const double here = gradient.magnitude(pixel);
+  const double before = gradient.magnitudeAt(p - u), behind = gradient.magnitudeAt(p + u);
+  if (here < before || here <= behind || before <= 0.0 || behind <= 0.0) return std::nullopt;
+  const double offset = 0.5 * (before - behind) / (before - 2.0 * here + behind);
+  return p + std::clamp(offset, -0.5, 0.5) * u;
+}
+
+// Edge pixels, and the lines that they form.
+class Linker {
+ public:
+  Linker(const Gradient& gradient, int rows, Thresholds thresholds, const cv::Mat& gray,
+         const DepthEdgeOptions& options)
+      : gradient_(gradient),
+        high_(thresholds.high),
+        places_(static_cast<std::size_t>(rows) * gradient.width()) {
+    const double reach_px = kStepReach * options.sigma_px;
+    for (const auto pixel : gradient.clearPixels()) {
+      if (gradient.magnitude(pixel) < thresholds.low || gradient.magnitude(pixel) <= 0.0) continue;
+      const auto place = maximumAt(gradient, pixel);
+      if (!place || stepAcross(gray, *place, gradient.direction(pixel), reach_px) < options.min_step_gray)
+        continue;
+      places_[pixel] = place;
+      edge_pixels_.push_back(pixel);
+    }
+  }
+
+  // Lines with a gradient above the high threshold somewhere (the hysteresis of Canny).
+  std::vector<PixelLine> lines(int min_points) {
+    std::vector<PixelLine> found;
+    for (const auto seed : edge_pixels_) {
+      if (!places_[seed]) continue;
+      strong_ = false;
+      PixelLine line = lineThrough(seed);
+      if (strong_ && static_cast<int>(line.points.size()) >= min_points) found.push_back(std::move(line));
+    }
+    return found;
+  }
+
+ private:
+  PixelLine lineThrough(std::size_t seed) {
+    PixelLine line;
+    line.points.push_back(take(seed));
+    const auto forward = walk(seed, 1.0);
+    line.points.insert(line.points.end(), forward.begin(), forward.end());
+    const auto backward = walk(seed, -1.0);
+    line.points.insert(line.points.begin(), backward.rbegin(), backward.rend());
+    line.closed = line.points.size() > 2 && (line.points.front() - line.points.back()).norm() < 2.0;
+    return line;
+  }
+
+  Vector2d take(std::size_t pixel) {
+    strong_ |= gradient_.magnitude(pixel) >= high_;
+    const Vector2d place = *places_[pixel];
+    places_[pixel].reset();
+    return place;
+  }
+
+  // Forward is where the brighter side is on the left.
+  std::vector<Vector2d> walk(std::size_t from, double sense) {
+    std::vector<Vector2d> points;
+    for (auto next = successor(from, sense); next; next = successor(*next, sense))
+      points.push_back(take(*next));
+    return points;
+  }
+
+  // Of the free neighbours the one most nearly straight on, none that turns back or whose gradient points the
+  // other way.
+  std::optional<std::size_t> successor(std::size_t pixel, double sense) const {
+    const Vector2d u = gradient_.direction(pixel), ahead = sense * Vector2d(u.y(), -u.x());
+    std::optional<std::size_t> best;
+    double best_cosine = 1e-9;
+    for (int dy = -1; dy <= 1; ++dy) {
+      for (int dx = -1; dx <= 1; ++dx) {
+        const std::size_t next = pixel + static_cast<std::ptrdiff_t>(dy) * gradient_.width() + dx;
+        if (!places_[next] || gradient_.direction(next).dot(u) <= 0.0) continue;
+        const double cosine = ahead.dot(Vector2d(dx, dy).normalized());
+        if (cosine <= best_cosine) continue;
+        best = next;
+        best_cosine = cosine;
+      }
+    }
+    return best;
+  }
+
+  const Gradient& gradient_;
+  double high_;
+  std::vector<std::optional<Vector2d>> places_;  // of the edge pixels not yet on a line
+  std::vector<std::size_t> edge_pixels_;
+  bool strong_ = false;
+};
+
+}  // namespace
+
+std::vector<PixelLine> depthEdges(const cv::Mat& gray, const cv::Mat& coverage,
+                                  const DepthEdgeOptions& options) {
+  const Gradient gradient(smoothedDepth(gray, coverage, options.sigma_px), coverage);
+  const Thresholds thresholds = automaticThresholds(gradient, options);
+  return Linker(gradient, gray.rows, thresholds, gray, options).lines(options.min_points);
+}
+
+}  // namespace boxgrasp

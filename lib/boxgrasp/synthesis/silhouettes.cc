@@ -1,0 +1,97 @@
+#include <array>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <utility>
+
+#include "boxgrasp/synthesis/edges.h"
+
+namespace boxgrasp {
+namespace {
+
+constexpr double kHalf = 32767.5;  // between two values, so that no pixel lies on the line
+
+// The half-level line crosses edges of the pixel grid, numbered 2 * pixel for the edge to the next column and
+// 2 * pixel + 1 for the edge to the next row. Each crossing has one successor along the line.
+class HalfLevel {
+ public:
+  explicit HalfLevel(const cv::Mat& coverage) : coverage_(coverage), next_(2 * coverage.total(), -1) {
+    for (int row = 0; row + 1 < coverage.rows; ++row) {
+      for (int column = 0; column + 1 < coverage.cols; ++column) linkCell(column, row);
+    }
+  }
+
+  // Takes out the lines one by one; an empty line at the end.
+  PixelLine takeLine() {
+    while (from_ < next_.size() && next_[from_] < 0) ++from_;
+    PixelLine line;
+    line.closed = true;
+    for (int at = static_cast<int>(from_); from_ < next_.size() && next_[at] >= 0;) {
+      line.points.push_back(crossing(at));
+      at = std::exchange(next_[at], -1);
+    }
+    return line;
+  }
+
+ private:
+  bool inside(int column, int row) const { return coverage_.at<std::uint16_t>(row, column) > kHalf; }
+  int edgeRight(int column, int row) const { return 2 * (row * coverage_.cols + column); }
+  int edgeDown(int column, int row) const { return edgeRight(column, row) + 1; }
+
+  // Links the crossings of one cell of four pixels. Along its border from column to row, the line starts
+  // where the border leaves the material and ends where it enters it: then the material is on the line's
+  // left. Of two lines in a cell, each keeps to the corner that the cell's mean does not join with its
+  // opposite.
+  void linkCell(int column, int row) {
+    const std::array<bool, 4> in{inside(column, row), inside(column + 1, row), inside(column + 1, row + 1),
+                                 inside(column, row + 1)};
+    const int corners = in[0] + in[1] + in[2] + in[3];
+    if (corners == 0 || corners == 4) return;
+    const std::array<int, 4> edges{edgeRight(column, row), edgeDown(column + 1, row),
+                                   edgeRight(column, row + 1), edgeDown(column, row)};
+    const bool saddle = corners == 2 && in[0] == in[2];
+    const int step = saddle && !meanInside(column, row) ? 3 : 1;
+    for (int start = 0; start < 4; ++start) {
+      if (!in[start] || in[(start + 1) % 4]) continue;
+      int end = (start + step) % 4;
+      while (in[end] || !in[(end + 1) % 4]) end = (end + step) % 4;
+      next_[edges[start]] = edges[end];
+    }
+  }
+
+  bool meanInside(int column, int row) const {
+    return cv::sum(coverage_(cv::Rect(column, row, 2, 2)))[0] > 4.0 * kHalf;
+  }
+
+  Vector2d crossing(int edge) const {
+    const int pixel = edge / 2, column = pixel % coverage_.cols, row = pixel / coverage_.cols;
+    const bool down = edge % 2 == 1;
+    const double a = coverage_.at<std::uint16_t>(row, column);
+    const double b = coverage_.at<std::uint16_t>(row + down, column + !down);
+    const double share = (kHalf - a) / (b - a);
+    return {column + (down ? 0.0 : share), row + (down ? share : 0.0)};
+  }
+
+  cv::Mat coverage_;
+  std::vector<int> next_;
+  std::size_t from_ = 0;
+};
+
+}  // namespace
+
+cv::Mat smoothedCoverage(const cv::Mat& gray, double sigma_px) {
+  cv::Mat coverage;
+  cv::Mat(gray > 0).convertTo(coverage, CV_16U, 257.0);
+  cv::GaussianBlur(coverage, coverage, {}, sigma_px, sigma_px, cv::BORDER_REPLICATE);
+  return coverage;
+}
+
+std::vector<PixelLine> silhouettes(const cv::Mat& coverage) {
+  std::vector<PixelLine> lines;
+  HalfLevel level(coverage);
+  for (PixelLine line = level.takeLine(); !line.points.empty(); line = level.takeLine()) {
+    lines.push_back(std::move(line));
+  }
+  return lines;
+}
+
+}  // namespace boxgrasp
