@@ -13,16 +13,24 @@
 namespace boxgrasp {
 
 struct ClearanceOptions {
-  double approach_m =
-      0.15;               // the hand comes in a straight line along its approach direction over this length
-  double skin_m = 0.003;  // links are thinned by this against the scene's points: sensor noise
-  double contact_m =
-      0.006;  // in place the outer links, which touch the object, are thinned by this instead: the straight
-              // regions that a grasp is planned on run inside a curved surface, where the finger stops short
-  std::array<double, 4> openings_rad{
-      0.0, 0.35, 0.70, 1.05};     // fingers are tried opened to these joint angles, in this order, but
-  double min_opening_rad = 0.15;  // ... at least this far short of their closed angle
-  int closing_steps = 4;          // poses between open and closed that are tested
+  // The hand comes in a straight line along its approach direction over this length.
+  double approach_m = 0.15;
+
+  // Links are thinned by this against the scene's points: the noise of the sensor.
+  double skin_m = 0.003;
+
+  // In place the outer links, which touch the object, are thinned by this instead: the straight regions that
+  // a grasp is planned on run a little inside of curved surfaces, where a finger stops short.
+  double contact_m = 0.006;
+
+  // Fingers are tried opened to these joint angles, in this order, but at least min_opening_rad short of
+  // closed.
+  std::array<double, 4> openings_rad{0.0, 0.35, 0.70, 1.05};
+  double min_opening_rad = 0.15;
+
+  // Poses between open and closed that are tested.
+  int closing_steps = 4;
+
   void validate() const;
 };
 
@@ -34,8 +42,7 @@ struct Collision {
 
 struct Clearance {
   std::optional<HandJoints> pregrasp;  // the first opening that is clear; nullopt: none
-  std::optional<Collision>
-      collision;  // without a pregrasp: what the hand met, with the opening that got furthest
+  std::optional<Collision> collision;  // without a pregrasp: what the opening that got furthest met
 };
 
 // Tests the hand in pose X_CP with these closed joints against every point of the scene: closed in place,

@@ -46,15 +46,19 @@ class PlanarSearch {
   void search(int thumb, std::vector<PlanarSolution>& solutions, std::array<std::size_t, 4>& rejected) {
     thumb_ = thumb;
     const int n = options_.thumb_steps;
-    for (int step = 0; step < n; ++step) {
-      const double angle = (2.0 * step + 1.0 - n) / n * cone_angle_;
-      if (const auto reason = solveStep(angle, solutions)) ++rejected[static_cast<std::size_t>(*reason)];
+    const auto angle = [&](int step) { return (2.0 * step + 1.0 - n) / n * cone_angle_; };
+    // Turned on from step to step: a sine and a cosine for each would take most of the time.
+    const Eigen::Matrix2d turn = Eigen::Rotation2Dd(2.0 * cone_angle_ / n).toRotationMatrix();
+    Vector2d h = Eigen::Rotation2Dd(angle(0)) * triplet_.normals_F[thumb];
+    for (int step = 0; step < n; ++step, h = turn * h) {
+      if (const auto reason = solveStep(angle(step), h, solutions))
+        ++rejected[static_cast<std::size_t>(*reason)];
     }
   }
 
  private:
-  std::optional<ReachRejection> solveStep(double angle, std::vector<PlanarSolution>& solutions) {
-    const Vector2d h = Eigen::Rotation2Dd(angle) * triplet_.normals_F[thumb_];
+  std::optional<ReachRejection> solveStep(double angle, const Vector2d& h,
+                                          std::vector<PlanarSolution>& solutions) const {
     int f1 = (thumb_ + 1) % 3, f2 = (thumb_ + 2) % 3;
     HandCoordinates c1 = coordinates(f1, h), c2 = coordinates(f2, h);
     if (c1.a < c2.a) {
@@ -65,14 +69,24 @@ class PlanarSearch {
     const double B1 = c1.a - hand_.spread_offset, B2 = -c2.a - hand_.spread_offset;
     if (B1 < 0 || B2 < 0) return ReachRejection::spread_or_side;
     PlanarSolution solution{angle, h, {f1, f2, thumb_}, 0.0, {}, 0.0};
-    if (std::abs(B1 - B2) < tolerance::kSymmetricFingers &&
-        std::abs(c1.b - c2.b) < tolerance::kSymmetricFingers)
-      return sweepSpread(solution, {B1, c1.b}, {B2, c2.b}, solutions);
-    if (B1 == B2) return ReachRejection::extension;
-    // The mirror image of F2's point in the thumb's axis, F1's point and the spread axis lie on one line.
-    const double s = (c2.b * B1 - c1.b * B2) / (B1 - B2);
-    solution.reach = {std::hypot(B1, c1.b - s), std::hypot(B2, c2.b - s), s};
-    return check(solution, Vector2d(B1, c1.b - s).normalized(), solutions);
+    const std::size_t before = solutions.size();
+    auto reason = solveExactly(solution, {B1, c1.b}, {B2, c2.b}, solutions);
+    const double apart_a = std::abs(B1 - B2), apart_b = std::abs(c1.b - c2.b);
+    if (apart_a < tolerance::kSymmetricFingers && apart_b < tolerance::kSymmetricFingers)
+      reason = std::max(reason, sweepSpread(solution, {B1, c1.b}, {B2, c2.b}, solutions));
+    return solutions.size() > before ? std::nullopt : reason;
+  }
+
+  // The mirror image of F2's point in the thumb's axis, F1's point and the spread axis lie on one line.
+  // Points relative to their finger's spread axis in a, to the thumb's point in b, both counted outwards.
+  std::optional<ReachRejection> solveExactly(PlanarSolution solution, const HandCoordinates& p1,
+                                             const HandCoordinates& p2,
+                                             std::vector<PlanarSolution>& solutions) const {
+    if (p1.a == p2.a) return ReachRejection::extension;
+    const double s = (p2.b * p1.a - p1.b * p2.a) / (p1.a - p2.a);
+    const Vector2d from_axis(p1.a, p1.b - s);
+    solution.reach = {from_axis.norm(), Vector2d(p2.a, p2.b - s).norm(), s};
+    return check(solution, from_axis / solution.reach[kF1], solutions);
   }
 
   HandCoordinates coordinates(int point, const Vector2d& h) const {
@@ -83,8 +97,8 @@ class PlanarSearch {
   // F1's and F2's points mirror each other: any spread fits, each with its own place of the palm.
   std::optional<ReachRejection> sweepSpread(PlanarSolution solution, const HandCoordinates& p1,
                                             const HandCoordinates& p2,
-                                            std::vector<PlanarSolution>& solutions) {
-    std::optional<ReachRejection> furthest = ReachRejection::spread_or_side;
+                                            std::vector<PlanarSolution>& solutions) const {
+    std::optional<ReachRejection> furthest;
     const double mean_a = 0.5 * (p1.a + p2.a), mean_b = 0.5 * (p1.b + p2.b);
     const double step = (hand_.spread_max - hand_.spread_min) / options_.thumb_steps;
     for (int i = 0; i < options_.thumb_steps; ++i) {
@@ -92,8 +106,7 @@ class PlanarSearch {
       const Vector2d direction(std::sin(spread), std::cos(spread));
       const double s = mean_b - mean_a * direction.y() / direction.x();
       solution.reach = {direction.dot(Vector2d(p1.a, p1.b - s)), direction.dot(Vector2d(p2.a, p2.b - s)), s};
-      const auto reason = check(solution, direction, solutions);
-      if (!reason || (furthest && *reason > *furthest)) furthest = reason;
+      furthest = std::max(furthest, check(solution, direction, solutions));
     }
     return furthest;
   }
@@ -105,12 +118,12 @@ class PlanarSearch {
     for (const double reach : solution.reach) {
       if (!within(reach, min_reach_, max_reach_)) return ReachRejection::extension;
     }
-    solution.spread = std::atan2(direction.x(), direction.y());
-    if (!within(solution.spread, hand_.spread_min, hand_.spread_max)) return ReachRejection::spread_or_side;
     const Vector2d k(solution.h.y(), -solution.h.x());
     const double cosine1 = -(direction.y() * solution.h + direction.x() * k).dot(normalOf(solution, kF1));
     const double cosine2 = -(direction.y() * solution.h - direction.x() * k).dot(normalOf(solution, kF2));
     if (cosine1 < cone_cosine_ || cosine2 < cone_cosine_) return ReachRejection::friction_cone;
+    solution.spread = std::atan2(direction.x(), direction.y());
+    if (!within(solution.spread, hand_.spread_min, hand_.spread_max)) return ReachRejection::spread_or_side;
     solution.tilt = 3.0 - cosine1 - cosine2 - std::cos(solution.thumb_angle);
     solutions.push_back(solution);
     return std::nullopt;

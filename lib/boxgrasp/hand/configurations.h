@@ -11,21 +11,29 @@
 namespace boxgrasp {
 
 struct ConfigurationOptions {
-  double friction = 0.4;  // bounds the thumb's angle to the surface and the fingers' to theirs (III.C)
-  int thumb_steps = 100;  // steps of the thumb angle over (-atan mu, atan mu) (III.C)
-  double insertion_m =
-      0.030;  // fingertips aim this far below the surface's upper edge, or at the middle of the side where
-              // that is less: at the widest place of round sides, and as far from the edge of tall ones as
-              // leaves the links room above the object. Deeper holds tall objects nearer to their middle,
-              // shallower keeps away from what they stand on
-  double depth_tolerance_m =
-      0.005;                        // fingertips may end this far above or below the surface that they aim at
-  double palm_clearance_m = 0.005;  // the palm stays this far from the plane of the face
-  double min_turn_rad =
-      0.087;  // configurations of one triplet and thumb whose hands differ by less than this (5 degrees, in
-              // the palm's turn, the spread and the palm's shift as seen over the length of a finger) count
-              // as one: the one whose thumb pushes straightest stays; the others are as good, and each costs
-              // a clearance test; 0 keeps all
+  // Bounds the thumb's angle to the surface and the fingers' to theirs (III.C).
+  double friction = 0.4;
+
+  // Steps of the thumb angle over (-atan mu, atan mu) (III.C).
+  int thumb_steps = 100;
+
+  // Fingertips aim this far below the surface's upper edge, or at the middle of the side where that is less:
+  // at the widest place of round sides, and as far from the edge of tall ones as leaves the links room above
+  // the object. Larger holds tall objects nearer to their middle, smaller keeps away from what they stand on.
+  double insertion_m = 0.030;
+
+  // Fingertips may end this far above or below the surface that they aim at.
+  double depth_tolerance_m = 0.005;
+
+  // The palm stays this far from the plane of the face.
+  double palm_clearance_m = 0.005;
+
+  // Configurations of one triplet and thumb whose hands differ by less than this count as one: in the palm's
+  // turn, in the spread, and in the palm's shift as seen over the length of a finger. The one whose thumb
+  // pushes straightest stays; the others are as good, and each costs a clearance test. 5 degrees; 0 keeps
+  // all.
+  double min_turn_rad = 0.087;
+
   void validate() const;
 };
 
@@ -49,17 +57,17 @@ std::string_view describe(ReachRejection rejection);
 struct Configurations {
   std::vector<HandConfiguration> configurations;
   std::array<std::size_t, 4>
-      rejected{};          // steps of the thumb angle, by ReachRejection: the furthest that a step came
+      rejected{};          // steps of the thumb angle, by ReachRejection: the furthest they came
   std::size_t merged = 0;  // left out for min_turn_rad
 };
 
 // All configurations for one triplet: every assignment of fingers to points, every step of the thumb angle,
-// each solved in closed form (definitions, 2.4). The fingertips touch the triplet's points exactly. Only
-// where F1's and F2's points are mirror images in the thumb's axis to within 0.5 mm, a whole range of spreads
-// fits: it is swept in thumb_steps, and the points of F1 and F2 are met to within 0.4 mm. F1 and F2 reach
-// outwards from their spread axes. The palm's height is the one that brings the depths of all three
-// fingertips nearest to their aims. Ordered by point of the thumb, then by the size of the thumb angle.
-// O(thumb_steps) a triplet.
+// each solved in closed form (definitions, 2.4), so that the fingertips touch the triplet's points exactly.
+// Where F1's and F2's points are mirror images in the thumb's axis to within 0.5 mm, a whole range of spreads
+// fits: it is swept as well, in thumb_steps, and there the points of F1 and F2 are met to within 0.4 mm. F1
+// and F2 always reach outwards from their spread axes. The palm's height is the one that brings the depths of
+// the three fingertips nearest to their aims. Ordered by point of the thumb, then by the size of the thumb
+// angle. O(thumb_steps) a triplet.
 Configurations findConfigurations(const HandDescription& hand, const Triplet& triplet, int triplet_index,
                                   const ConfigurationOptions& options = {});
 

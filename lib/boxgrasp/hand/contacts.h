@@ -12,11 +12,15 @@
 namespace boxgrasp {
 
 struct ContactOptions {
-  double search_m = 0.005;  // a contact lies within this of a point of the cloud (grows to one spacing)
-  double normal_radius_m = 0.008;  // the surface normal is that of the plane through the points within this
-                                   // (grows to 2.5 spacings)
-  double max_normal_tilt_rad =
-      1.05;  // the surface normal may lean this far from the region's normal (60 degrees)
+  // A contact lies within this of a point of the cloud. Grows to one spacing where the cloud is sparse.
+  double search_m = 0.005;
+
+  // The surface normal is that of the plane through the points within this. Grows to 2.5 spacings.
+  double normal_radius_m = 0.008;
+
+  // The surface normal may lean this far from the region's normal (60 degrees).
+  double max_normal_tilt_rad = 1.05;
+
   void validate() const;
 };
 

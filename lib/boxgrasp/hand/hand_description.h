@@ -1,10 +1,9 @@
 // A three-finger hand with Barrett kinematics, as its description file says.
 #pragma once
 
-#include <array>
+#include <cmath>
 #include <filesystem>
 #include <string>
-#include <vector>
 
 #include "boxgrasp/geometry/pose.h"
 
@@ -18,24 +17,28 @@ namespace boxgrasp {
 // is fixed along -y.
 struct HandDescription {
   std::string name;
-  double spread_offset;  // A_w: from the hand's axis to the spread axes
-  double base_radius;    // A_1: from the spread axis (thumb: from the hand's axis) to the inner joint
-  double inner_length;   // A_2: inner joint to outer joint
-  double tip_length;     // outer joint to the centre of the fingertip's sphere
-  double tip_radius;     // radius of the fingertip; a finger touches with the side of this sphere that leads
-  double joint_height;   // z of the inner joints' axes in P
-  double inner_rest;     // Phi_2: angle of the inner link above the palm at joint angle 0
-  double outer_rest;     // Phi_3: further angle of the outer link at joint angle 0
-  double coupling;       // outer joint angle per inner joint angle, until the clutch opens
-  double inner_min, inner_max;  // limits of the inner joint
-  double outer_max;             // limit of the outer joint
-  double spread_min, spread_max;
-  double inner_radius, outer_radius;   // of the capsules around inner and outer link
-  double knuckle_radius;               // of the capsule from spread axis to inner joint
-  double palm_radius, palm_thickness;  // the palm's cylinder, below z = 0
-  double depth_slope,
-      depth_offset;  // the linear depth approximation g(e) = slope * e + offset (paper, footnote 3), metres
-  double max_tip_force;  // newtons a finger presses with at most
+  double spread_offset = NAN;  // A_w: from the hand's axis to the spread axes
+  double base_radius = NAN;    // A_1: from the spread axis (thumb: from the hand's axis) to the inner joint
+  double inner_length = NAN;   // A_2: inner joint to outer joint
+  double tip_length = NAN;     // outer joint to the centre of the fingertip's sphere
+  double tip_radius = NAN;     // of the fingertip's sphere; a finger touches with its leading side
+  double joint_height = NAN;   // z of the inner joints' axes in P
+  double inner_rest = NAN;     // Phi_2: angle of the inner link above the palm at joint angle 0
+  double outer_rest = NAN;     // Phi_3: further angle of the outer link at joint angle 0
+  double coupling = NAN;       // outer joint angle per inner joint angle, until the clutch opens
+  double inner_min = NAN;      // limits of the inner joint
+  double inner_max = NAN;
+  double outer_max = NAN;  // limit of the outer joint
+  double spread_min = NAN;
+  double spread_max = NAN;
+  double knuckle_radius = NAN;  // of the capsule from spread axis (thumb: hand's axis) to inner joint
+  double inner_radius = NAN;    // of the capsules around the inner and the outer link: at most half of
+  double outer_radius = NAN;    // spread_offset, so that links of different fingers never meet
+  double palm_radius = NAN;     // the palm's cylinder, below z = 0
+  double palm_thickness = NAN;
+  double depth_slope = NAN;  // the linear depth approximation g(e) = slope * e + offset (paper, footnote 3)
+  double depth_offset = NAN;
+  double max_tip_force = NAN;  // newtons that a finger presses with at most
 };
 
 // Reads a description (TOML, units in the keys: *_mm, *_deg, *_n). Throws InputError with file, line and
