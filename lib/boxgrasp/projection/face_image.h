@@ -9,10 +9,12 @@
 namespace boxgrasp {
 
 struct ImageOptions {
-  double pixel_m = 0.001;  // edge of a pixel; smaller: finer contours, slower
-  int border_px =
-      12;  // empty pixels around the face, so that smoothing and contours do not meet the image's edge
-  int max_side_px = 2048;  // faces that would need more pixels get larger ones
+  // Edge of a pixel; smaller: finer contours, slower.
+  double pixel_m = 0.001;
+  // Empty pixels around the face, room for the expansion of points and the smoothing of edges.
+  int border_px = 12;
+  // Faces that would need more pixels along a side get larger ones.
+  int max_side_px = 2048;
   void validate() const;
 };
 
@@ -27,8 +29,8 @@ struct FaceImage {
   std::vector<std::uint8_t> farthest;  // the farthest point in each pixel, in the same scale
 
   std::uint8_t at(int column, int row) const { return gray[static_cast<std::size_t>(row) * width + column]; }
-  Vector2d toFace(const Vector2d& pixel)
-      const;  // p_F (x, y) of image coordinates (column, row); a pixel's centre is at whole numbers
+  // Between image coordinates (column, row), where a pixel's centre is at whole numbers, and x, y in F.
+  Vector2d toFace(const Vector2d& pixel) const;
   Vector2d toPixel(const Vector2d& p_F) const;
   double depthOf(double gray_value) const;  // metres below the face; pre: gray_value in [1, 255]
 };

@@ -37,19 +37,24 @@ enum class FaceRejection {
 std::string_view describe(FaceRejection rejection);  // e.g. "face blocked by other points"
 
 struct FaceOptions {
-  double max_aperture_m =
-      0.20;  // the smaller edge of a face may not be longer: twice the Barrett hand's practical reach
-  double min_width_m = 0.005;   // the smaller edge may not be shorter: nothing to press against
-  double min_depth_m = 0.010;   // the box may not be shallower: about the depth of a fingertip
-  double hand_width_m = 0.090;  // side of the square that the palm sweeps in front of the face
-  double hand_depth_m = 0.110;  // how far before the face the hand needs room: the length of its fingers
-  double max_blocked_fraction =
-      0.10;  // blocked beyond this share of the swept square (in cells of 5 mm with a point in
-             // them; points within 3 mm of the face's plane belong to the face)
-  double max_shared_fraction =
-      0.50;  // shared beyond this share of the face covered by another leaf box (2 mm outside the
-             // face, boxes grown by 2 mm: cut boxes shrink to their points and leave a gap)
-  double max_support_cosine = 0.70;  // supported: the outward normal is within acos(this) of gravity
+  // The smaller edge of a face may not be longer: twice the Barrett hand's practical reach.
+  double max_aperture_m = 0.20;
+  // The smaller edge may not be shorter: nothing to press against.
+  double min_width_m = 0.005;
+  // The box may not be shallower: about the depth of a fingertip.
+  double min_depth_m = 0.010;
+  // Side of the square that the palm sweeps in front of the face.
+  double hand_width_m = 0.090;
+  // How far before the face the hand needs room: the length of its fingers.
+  double hand_depth_m = 0.110;
+  // Blocked beyond this share of the swept square, counted in cells of 5 mm with a point in them. Points
+  // within 3 mm of the face's plane belong to the face.
+  double max_blocked_fraction = 0.10;
+  // Shared beyond this share of the face covered by another leaf box, measured 2 mm outside the face with
+  // boxes grown by 2 mm: boxes on both sides of a cut shrink to their points and leave a gap.
+  double max_shared_fraction = 0.50;
+  // Supported: the outward normal is within acos(this) of gravity.
+  double max_support_cosine = 0.70;
   void validate() const;
 };
 

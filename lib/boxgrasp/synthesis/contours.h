@@ -8,19 +8,22 @@
 namespace boxgrasp {
 
 struct ContourOptions {
-  int min_neighbours = 2;  // pixels with fewer occupied neighbours are outliers and removed (III.A)
-  double splat_spacings =
-      0.75;  // points are expanded by this many point spacings, at least to their 8 neighbours (III.A):
-             // larger expansions close gaps in sparse clouds, and all but one pixel of them is taken back
-  double canny_sigma_px =
-      2.5;  // smoothing of the edge detector (III.A, footnote 1); smaller: sharper corners, more noise
-  double high_quantile =
-      0.7;  // automatic thresholds: the high one leaves this share of the object's pixels below,
-  double low_fraction =
-      0.4;  // the low one is this share of the high one; smaller: longer, noisier depth edges
-  double min_depth_step_m =
-      0.008;  // inner edges with a smaller step in depth are texture of the surface, not a place for a finger
-  int min_points = 10;  // shorter contours are dropped
+  // Pixels with fewer occupied neighbours are outliers and removed (III.A).
+  int min_neighbours = 2;
+  // Points are expanded by this many point spacings, at least to their 8 neighbours (III.A), and all but one
+  // pixel of it is taken back. Random samplings have gaps of several spacings; larger values close larger
+  // gaps and fill narrow notches; 0: the paper's rule.
+  double splat_spacings = 2.0;
+  // Smoothing of the edge detector (III.A, footnote 1); smaller: sharper corners, more noise.
+  double canny_sigma_px = 2.5;
+  // Automatic thresholds for depth edges: the high one leaves this share of the object's pixels below.
+  double high_quantile = 0.7;
+  // The low threshold is this share of the high one; smaller: longer, noisier depth edges.
+  double low_fraction = 0.4;
+  // Depth edges with a smaller step are texture of the surface, not a place for a finger.
+  double min_depth_step_m = 0.008;
+  // Shorter contours are dropped.
+  int min_points = 10;
   void validate() const;
 };
 

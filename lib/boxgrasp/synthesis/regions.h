@@ -12,13 +12,21 @@ namespace boxgrasp {
 enum class CurvatureSum { absolute, with_sign };
 
 struct RegionOptions {
-  int k = 5;  // neighbours in each direction for the k-angular bending (Eq. 3), in contour points
-  double smoothing_sigma = 2.5;          // of the Gaussian along the contour, in contour points
-  double max_curvature_rad = 0.4;        // t_kappa: bound on the curvature at any point (III.A)
-  double max_total_curvature_rad = 4.0;  // T_kappa: bound on the sum of curvature over a region (III.A)
+  // Neighbours in each direction for the k-angular bending (Eq. 3), in contour points; more: less noise,
+  // blunter corners.
+  int k = 5;
+  // Standard deviation of the Gaussian along the contour, in contour points.
+  double smoothing_sigma = 2.5;
+  // t_kappa: bound on the curvature at any point (III.A).
+  double max_curvature_rad = 0.4;
+  // T_kappa: bound on the sum of curvature over a region (III.A); smaller: bent contours give more and
+  // shorter regions.
+  double max_total_curvature_rad = 4.0;
   CurvatureSum sum = CurvatureSum::with_sign;
-  double min_length_m = 0.020;  // l_min: about the width of a Barrett finger (III.A)
-  double max_length_m = 0.050;  // l_max: longer straight pieces are broken up evenly (III.A)
+  // l_min: about the width of a Barrett finger (III.A).
+  double min_length_m = 0.020;
+  // l_max: longer straight pieces are broken up evenly (III.A); smaller: more regions and hypotheses, slower.
+  double max_length_m = 0.050;
   void validate() const;
 };
 

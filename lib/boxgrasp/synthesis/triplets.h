@@ -11,10 +11,13 @@
 namespace boxgrasp {
 
 struct TripletOptions {
-  double friction = 0.4;  // Coulomb coefficient of finger on object; definitions: wood on wood or plastic
-  double end_margin_m = 0.0115;  // finger points keep half a finger's width from the ends of their region, or
-                                 // the middle of a shorter one
-  std::size_t max_triplets = 2000;  // per face; the largest focus areas stay
+  // Coulomb coefficient of finger on object; 0.4 is wood or plastic on either.
+  double friction = 0.4;
+  // Finger points keep half a finger's width from the ends of their region, or are the middle of a shorter
+  // one.
+  double end_margin_m = 0.0115;
+  // Per face; those with the largest focus areas stay.
+  std::size_t max_triplets = 2000;
   void validate() const;
 };
 
