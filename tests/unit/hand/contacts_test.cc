@@ -1,0 +1,145 @@
+#include "boxgrasp/hand/contacts.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "boxgrasp/base/error.h"
+#include "random_pose.h"
+
+namespace boxgrasp {
+namespace {
+
+constexpr double kCell_m = 0.006;
+constexpr double kSpacing_m = 0.002;
+
+// An upright cylinder's side in F: its axis along z, from z = 0 (the face) down.
+PointCloud cylinder(double radius, double height, double spacing = kSpacing_m) {
+  PointCloud cloud_F;
+  const int around = static_cast<int>(6.2832 * radius / spacing);
+  for (int i = 0; i < around; ++i) {
+    for (double z = 0; z <= height; z += spacing)
+      cloud_F.push({radius * std::cos(6.2832 * i / around), radius * std::sin(6.2832 * i / around), z});
+  }
+  return cloud_F;
+}
+
+// Three points on a circle, pushed on towards its middle, all at one depth.
+struct Planned {
+  Triplet triplet;
+  HandConfiguration configuration;
+};
+Planned planned(double radius, double depth) {
+  Planned result;
+  for (int i = 0; i < 3; ++i) {
+    const double angle = 0.3 + 2.0944 * i;
+    result.triplet.points_F[i] = radius * Vector2d(std::cos(angle), std::sin(angle));
+    result.triplet.normals_F[i] = -result.triplet.points_F[i].normalized();
+  }
+  result.configuration.point_of_finger = {1, 2, 0};
+  result.configuration.depth_m = {depth, depth, depth};
+  return result;
+}
+
+Face faceAt(const Pose& X_CF) {
+  Face face;
+  face.X_CF = X_CF;
+  return face;
+}
+
+Contacts contactsOn(const PointCloud& cloud_F, const Planned& plan, double spacing = kSpacing_m,
+                    const ContactOptions& options = {}) {
+  return findContacts(faceAt(Pose::Identity()), plan.triplet, plan.configuration, PointGrid(cloud_F, kCell_m),
+                      spacing, options);
+}
+
+// Planned a little inside or outside of the surface, the contact lies on it, and its normal points to the
+// axis; the finger's order is the configuration's. In any pose of the cloud.
+TEST(FindContacts, LieOnTheSurfaceAndPointIntoTheObject) {
+  std::mt19937_64 random(1);
+  const double radius = 0.04;
+  const PointCloud cloud_F = cylinder(radius, 0.1);
+  for (const double off : {-0.003, 0.0, 0.004}) {
+    const Planned plan = planned(radius + off, 0.03);
+    for (int trial = 0; trial < 20; ++trial) {
+      const Pose X_CF = test::randomPose(random);
+      const PointCloud cloud_C = transformed(cloud_F, X_CF);
+      const Contacts found = findContacts(faceAt(X_CF), plan.triplet, plan.configuration,
+                                          PointGrid(cloud_C, kCell_m), kSpacing_m);
+      ASSERT_FALSE(found.rejection);
+      for (int finger = 0; finger < 3; ++finger) {
+        const int point = plan.configuration.point_of_finger[finger];
+        const Vector2d on_surface = radius * plan.triplet.points_F[point].normalized();
+        const Vector3d p_F = X_CF.inverse() * found.contacts[finger].p_C;
+        const Vector3d n_F = X_CF.linear().transpose() * found.contacts[finger].normal_C;
+        EXPECT_LT((p_F - Vector3d(on_surface.x(), on_surface.y(), 0.03)).norm(), 0.001)
+            << "planned " << off << " off";
+        EXPECT_GT(n_F.head<2>().dot(plan.triplet.normals_F[point]), 0.99);
+        EXPECT_NEAR(n_F.norm(), 1.0, 1e-9);
+      }
+    }
+  }
+}
+
+TEST(FindContacts, RefuseAPlaceWithoutSurface) {
+  const PointCloud cloud_F = cylinder(0.04, 0.05);
+  EXPECT_EQ(contactsOn(cloud_F, planned(0.06, 0.03)).rejection, ContactRejection::no_surface)
+      << "20 mm beside it";
+  EXPECT_EQ(contactsOn(cloud_F, planned(0.04, 0.08)).rejection, ContactRejection::no_surface)
+      << "30 mm below its end";
+  EXPECT_EQ(contactsOn(cloud_F, planned(0.04, 0.056)).rejection, ContactRejection::no_surface)
+      << "6 mm below its end: the plane goes on, the surface does not";
+  EXPECT_FALSE(contactsOn(cloud_F, planned(0.04, 0.051)).rejection) << "1 mm below its end";
+}
+
+// On a flat roof with a steep or a gentle slope.
+TEST(FindContacts, RefuseASurfaceThatFacesAway) {
+  const auto slope = [](double tilt) {
+    // A plane through each point of the plan, leaning by `tilt` from the region's normal towards the hand.
+    PointCloud cloud_F;
+    for (const Vector2d& p : planned(0.04, 0.03).triplet.points_F) {
+      const Vector3d n(p.x() / p.norm() * std::cos(tilt), p.y() / p.norm() * std::cos(tilt), -std::sin(tilt));
+      const Vector3d u = n.unitOrthogonal(), v = n.cross(u);
+      for (int i = -8; i <= 8; ++i) {
+        for (int j = -8; j <= 8; ++j)
+          cloud_F.push(Vector3d(p.x(), p.y(), 0.03) + 0.001 * i * u + 0.001 * j * v);
+      }
+    }
+    return cloud_F;
+  };
+  EXPECT_EQ(contactsOn(slope(1.2), planned(0.04, 0.03)).rejection, ContactRejection::facing_away);
+  const Contacts gentle = contactsOn(slope(0.9), planned(0.04, 0.03));
+  ASSERT_FALSE(gentle.rejection);
+  EXPECT_NEAR(gentle.contacts[0].normal_C.z(), std::sin(0.9), 1e-3)
+      << "into the object: down, where it leans towards the hand";
+}
+
+// A cloud with a point every 8 mm has too few neighbours within 8 mm: the neighbourhood grows.
+TEST(FindContacts, WorkOnSparseClouds) {
+  const double radius = 0.05, spacing = 0.008;
+  const Contacts found = contactsOn(cylinder(radius, 0.1, spacing), planned(radius, 0.04), spacing);
+  ASSERT_FALSE(found.rejection);
+  for (const SurfaceContact& contact : found.contacts) {
+    const Vector2d outwards = contact.p_C.head<2>().normalized();
+    EXPECT_NEAR(contact.p_C.head<2>().norm(), radius, 0.004);
+    EXPECT_LT(contact.normal_C.head<2>().dot(outwards), -0.95);
+  }
+}
+
+TEST(FindContacts, AnEmptyCloudHasNoSurface) {
+  EXPECT_EQ(contactsOn(PointCloud{}, planned(0.04, 0.03)).rejection, ContactRejection::no_surface);
+}
+
+TEST(ContactOptions, NameTheBadField) {
+  ContactOptions options;
+  EXPECT_NO_THROW(options.validate());
+  options.normal_radius_m = -1;
+  try {
+    options.validate();
+    ADD_FAILURE() << "a negative radius was taken";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("normal_radius_m' is -1"));
+  }
+}
+
+}  // namespace
+}  // namespace boxgrasp
