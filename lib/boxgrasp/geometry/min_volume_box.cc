@@ -1,14 +1,136 @@
 #include "boxgrasp/geometry/min_volume_box.h"
 
+#include <algorithm>
+#include <array>
+#include <cassert>
+
 #include "boxgrasp/geometry/canonical_frame.h"
+#include "boxgrasp/geometry/exhaustive_search.h"
+#include "boxgrasp/geometry/orientation_search.h"
+#include "boxgrasp/geometry/support_points.h"
 
 namespace boxgrasp {
+namespace {
 
-void MinVolumeBoxOptions::validate() const {}
+constexpr std::size_t kFewPoints = 96;       // a cloud this small is searched as it is
+constexpr std::size_t kSeedDirections = 36;  // of the first outermost points, a multiple of three
+constexpr std::size_t kChecked = 3;          // orientations compared with the whole cloud in a round
+constexpr int kRounds = 12;                  // smooth shapes need the most
+constexpr int kPasses = 2;                   // the first pass can miss what only its own points reveal
+constexpr float kGap = 1e-4f;  // relative to the volume: a smaller possible gain is not worth a round
 
-OrientedBox minVolumeBox(const PointCloud& cloud_C, const MinVolumeBoxOptions&, const StopToken& stop) {
+// The box around any of the cloud's points bounds the box around all of them from below. So the search works
+// on a few outermost points, measures its best orientations on the whole cloud, takes in the points that
+// stick out, and ends when the best box of the whole cloud is no larger than the best one of the few.
+// Everything is seen from the canonical frame K, so the result moves with the cloud.
+class OrientationHunt {
+ public:
+  explicit OrientationHunt(const PointCloud& cloud_C)
+      : cloud_C_(cloud_C), X_CK_(canonicalFrame(cloud_C)), axes_C_(X_CK_.linear()) {
+    volume_ = boxAround(cloud_C, axes_C_).volume();
+    whole_ = cloud_C.size() <= kFewPoints;
+    takeIn(whole_ ? cloud_C : seeds());
+  }
+
+  void run(const StopToken& stop) {
+    for (int pass = 0; pass < (whole_ ? 1 : kPasses); ++pass) {
+      std::vector<Orientation> orientations = searchOrientations(few_K_);
+      for (int round = 0; round < kRounds && mayImprove(orientations); ++round) {
+        stop.check();
+        if (!takeIn(measure(orientations)) && round > 0) break;
+        updateOrientations(few_K_, orientations);
+      }
+    }
+  }
+
+  const Matrix3d& axes_C() const { return axes_C_; }
+  Vector3d mean_C() const { return X_CK_.translation(); }
+
+ private:
+  PointCloud seeds() const {
+    const std::vector<Vector3d> directions_K = halfSphere(kSeedDirections);
+    PointCloud found;
+    for (std::size_t i = 0; i + 2 < directions_K.size(); i += 3) {
+      Matrix3d three_K;
+      three_K << directions_K[i], directions_K[i + 1], directions_K[i + 2];
+      appendSupportPoints(cloud_C_, X_CK_.translation(), X_CK_.linear() * three_K, found);
+    }
+    return found;
+  }
+
+  bool mayImprove(const std::vector<Orientation>& orientations) const {
+    return static_cast<double>(orientations.front().volume * (1.0f + kGap)) < volume_;
+  }
+
+  // Keeps the best box of the whole cloud in the first few of the orientations; returns the points that their
+  // faces touch.
+  PointCloud measure(const std::vector<Orientation>& orientations) {
+    PointCloud found;
+    for (std::size_t i = 0; i < std::min(kChecked, orientations.size()); ++i) {
+      const auto rotation = orientations[i].rotation.cast<double>().normalized();
+      const Matrix3d axes_C = X_CK_.linear() * rotation.toRotationMatrix();
+      PointCloud touched;
+      appendSupportPoints(cloud_C_, X_CK_.translation(), axes_C, touched);
+      const double volume = boxAround(touched, axes_C).volume();
+      if (volume < volume_) {
+        volume_ = volume;
+        axes_C_ = axes_C;
+      }
+      for (std::size_t k = 0; k < touched.size(); ++k) found.push(touched.point(k));
+    }
+    return found;
+  }
+
+  // Adds the points that are not yet among the few; returns whether there were any.
+  bool takeIn(const PointCloud& points_C) {
+    const PointCloud points_K = transformed(points_C, X_CK_.inverse());
+    const std::size_t before = few_K_.size();
+    for (std::size_t i = 0; i < points_K.size(); ++i) {
+      const Vector3d p_K = points_K.point(i);
+      bool known = false;
+      for (std::size_t k = 0; k < few_K_.size() && !known; ++k) known = few_K_.point(k) == p_K;
+      if (!known) few_K_.push(p_K);
+    }
+    return few_K_.size() > before;
+  }
+
+  const PointCloud& cloud_C_;
+  Pose X_CK_;
+  PointCloud few_K_;
+  bool whole_;       // few_K_ is the whole cloud
+  Matrix3d axes_C_;  // the best so far
+  double volume_;
+};
+
+// The box with its axes in order of falling extent, the first two towards the mean of the cloud as seen from
+// the middle.
+OrientedBox ordered(const OrientedBox& box, const Vector3d& mean_C) {
+  std::array<int, 3> order{0, 1, 2};
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return box.extents[a] > box.extents[b]; });
+  const Vector3d to_mean_C = mean_C - box.X_CB.translation();
+  OrientedBox result = box;
+  for (int i = 0; i < 3; ++i) {
+    const Vector3d axis_C = box.X_CB.linear().col(order[i]);
+    result.extents[i] = box.extents[order[i]];
+    result.X_CB.linear().col(i) = axis_C.dot(to_mean_C) < 0.0 ? Vector3d(-axis_C) : axis_C;
+  }
+  result.X_CB.linear().col(2) = result.X_CB.linear().col(0).cross(result.X_CB.linear().col(1));
+  return result;
+}
+
+}  // namespace
+
+OrientedBox minVolumeBox(const PointCloud& cloud_C, const MinVolumeBoxOptions& options,
+                         const StopToken& stop) {
+  assert(!cloud_C.empty());
   stop.check();
-  return boxAround(cloud_C, canonicalFrame(cloud_C).linear());
+  if (options.exhaustive) {
+    return ordered(boxAround(cloud_C, exhaustiveBoxAxes(cloud_C, stop)),
+                   canonicalFrame(cloud_C).translation());
+  }
+  OrientationHunt hunt(cloud_C);
+  hunt.run(stop);
+  return ordered(boxAround(cloud_C, hunt.axes_C()), hunt.mean_C());
 }
 
 }  // namespace boxgrasp

@@ -8,7 +8,8 @@
 
 namespace boxgrasp {
 
-// A box centred on its frame B, whose axes are the box's edges, right-handed. Extents are full edge lengths in metres.
+// A box centred on its frame B, whose axes are the box's edges, right-handed. Extents are full edge lengths
+// in metres.
 struct OrientedBox {
   Pose X_CB = Pose::Identity();
   Vector3d extents = Vector3d::Constant(-1.0);  // an impossible value until set
@@ -18,8 +19,8 @@ struct OrientedBox {
   std::array<Vector3d, 8> corners() const;  // in C
 };
 
-// The box with the given axes (columns, right-handed) around all points; flat extents are raised to tolerance::kFlatExtent.
-// Pre: the cloud is not empty.
+// The box with the given axes (columns, right-handed) around all points; flat extents are raised to
+// tolerance::kFlatExtent. Pre: the cloud is not empty.
 OrientedBox boxAround(const PointCloud& cloud_C, const Matrix3d& axes_C);
 
 }  // namespace boxgrasp
