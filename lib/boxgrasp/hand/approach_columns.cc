@@ -1,15 +1,10 @@
 #include "boxgrasp/hand/approach_columns.h"
 
-#include <algorithm>
 #include <cassert>
-#include <cmath>
-#include <tuple>
+#include <limits>
 
 namespace boxgrasp {
 namespace {
-
-constexpr double kColumn_m =
-    0.004;  // side of a column: half a link's radius, so that few points beside a link are looked at
 
 // The axis-aligned box in C around a box in A.
 Eigen::AlignedBox3d around(const Eigen::AlignedBox3d& box_A, const Pose& X_CA) {
@@ -18,17 +13,31 @@ Eigen::AlignedBox3d around(const Eigen::AlignedBox3d& box_A, const Pose& X_CA) {
   return {center_C - half_C, center_C + half_C};
 }
 
+// Sorts `order` by key, keeping the order of equal keys, in linear time. Returns where each key begins, with
+// the end behind.
+std::vector<std::uint32_t> sortByKey(const std::vector<std::uint32_t>& keys, std::size_t key_count,
+                                     std::vector<std::uint32_t>& order) {
+  std::vector<std::uint32_t> begin(key_count + 1, 0);
+  for (const std::uint32_t key : keys) ++begin[key + 1];
+  for (std::size_t key = 1; key <= key_count; ++key) begin[key] += begin[key - 1];
+  std::vector<std::uint32_t> next(begin), sorted(order.size());
+  for (const std::uint32_t i : order) sorted[next[keys[i]]++] = i;
+  order.swap(sorted);
+  return begin;
+}
+
 }  // namespace
 
 ApproachColumns::ApproachColumns(const PointGrid& scene_C, const Pose& X_CA,
                                  const Eigen::AlignedBox3d& region_A)
     : X_CA_(X_CA) {
   assert(!region_A.isEmpty() && region_A.sizes().allFinite());
-  const Pose X_AC = X_CA.inverse();
+  const Matrix3d R_AC = X_CA.linear().transpose();
+  const Vector3d p_AC = -(R_AC * X_CA.translation());
   std::vector<Eigen::Vector3f> points_A;
   Eigen::AlignedBox3d bounds_A;
   scene_C.visitBox(around(region_A, X_CA), [&](std::uint32_t i) {
-    const Vector3d p_A = X_AC * scene_C.cloud().point(i);
+    const Vector3d p_A = R_AC * scene_C.cloud().point(i) + p_AC;
     if (region_A.contains(p_A)) {
       points_A.push_back(p_A.cast<float>());
       bounds_A.extend(p_A);
@@ -36,35 +45,30 @@ ApproachColumns::ApproachColumns(const PointGrid& scene_C, const Pose& X_CA,
     return false;
   });
   if (points_A.empty()) bounds_A.extend(region_A.center());
+  sortIntoColumns(points_A, bounds_A);
+}
+
+void ApproachColumns::sortIntoColumns(const std::vector<Eigen::Vector3f>& points_A,
+                                      const Eigen::AlignedBox3d& bounds_A) {
   origin_ = bounds_A.min().head<2>();
   nx_ = 1 + static_cast<int>(bounds_A.sizes().x() / kColumn_m);
   ny_ = 1 + static_cast<int>(bounds_A.sizes().y() / kColumn_m);
-  sortIntoColumns(points_A);
-}
+  const int layers = 1 + static_cast<int>(bounds_A.sizes().z() / kLayer_m);
+  const std::size_t columns = static_cast<std::size_t>(nx_) * ny_, n = points_A.size();
 
-// Points beyond the outermost columns belong to these.
-int ApproachColumns::clampedColumn(double offset_m, int count) const {
-  return static_cast<int>(std::clamp(std::floor(offset_m / kColumn_m), 0.0, count - 1.0));
-}
-
-std::size_t ApproachColumns::columnOf(const Eigen::Vector3f& p_A) const {
-  const int i = clampedColumn(p_A.x() - origin_.x(), nx_), j = clampedColumn(p_A.y() - origin_.y(), ny_);
-  return static_cast<std::size_t>(j) * nx_ + i;
-}
-
-void ApproachColumns::sortIntoColumns(const std::vector<Eigen::Vector3f>& points_A) {
-  begin_.assign(static_cast<std::size_t>(nx_) * ny_ + 1, 0);
-  for (const auto& p_A : points_A) ++begin_[columnOf(p_A) + 1];
-  for (std::size_t column = 1; column < begin_.size(); ++column) begin_[column] += begin_[column - 1];
-  points_A_.resize(points_A.size());
-  std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
-  for (const auto& p_A : points_A) points_A_[next[columnOf(p_A)]++] = p_A;
-  for (std::size_t column = 0; column + 1 < begin_.size(); ++column) {
-    std::sort(points_A_.begin() + begin_[column], points_A_.begin() + begin_[column + 1],
-              [](const auto& p, const auto& q) {
-                return std::make_tuple(p.z(), p.x(), p.y()) < std::make_tuple(q.z(), q.x(), q.y());
-              });
+  std::vector<std::uint32_t> column(n), layer(n), order(n);
+  first_.assign(columns, std::numeric_limits<float>::infinity());
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const Vector3d offset = points_A[i].cast<double>() - bounds_A.min();
+    column[i] = cellOf(offset.y(), kColumn_m, ny_) * nx_ + cellOf(offset.x(), kColumn_m, nx_);
+    layer[i] = cellOf(offset.z(), kLayer_m, layers);
+    order[i] = i;
+    first_[column[i]] = std::min(first_[column[i]], points_A[i].z());
   }
+  sortByKey(layer, layers, order);
+  begin_ = sortByKey(column, columns, order);
+  points_A_.reserve(n);
+  for (const std::uint32_t i : order) points_A_.push_back(points_A[i]);
 }
 
 }  // namespace boxgrasp

@@ -93,8 +93,9 @@ class Test {
     const Vector3d a_A = X_AP_ * link.a, b_A = X_AP_ * link.b, margin = Vector3d::Constant(radius);
     Eigen::AlignedBox3d box_A(a_A.cwiseMin(b_A) - margin, a_A.cwiseMax(b_A) + margin);
     box_A.min().z() -= sweep_m;
+    const CapsuleSpans spans(a_A, b_A, radius);
     return firstMet(box_A, link.name, phase, [&](const Vector3d& p_A) {
-      const auto span = verticalSpan(a_A, b_A, radius, p_A.head<2>());
+      const auto span = spans.at(p_A.head<2>());
       return span && p_A.z() <= span->high && p_A.z() >= span->low - sweep_m;
     });
   }

@@ -52,7 +52,7 @@ struct Clearance {
 Clearance testClearance(const HandDescription& hand, const Pose& X_CP, const HandJoints& closed,
                         const PointGrid& scene_C, const ClearanceOptions& options = {});
 
-// The same for one of many hands that come along +z of one frame A, such as all those on one face: some 50
+// The same for one of many hands that come along +z of one frame A, such as all those on one face: some 15
 // times faster. Pre: z of P is z of A; the columns hold every point that the hand may meet
 // (`reachableRegion`).
 Clearance testClearance(const HandDescription& hand, const Pose& X_AP, const HandJoints& closed,

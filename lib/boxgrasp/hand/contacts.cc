@@ -19,6 +19,11 @@ struct Touch {
   std::optional<ContactRejection> rejection;
 };
 
+// Whether a point of the cloud is within `radius_m` of p; `likely` is one that probably is.
+bool pointWithin(const PointGrid& grid, const Vector3d& p, double radius_m, std::uint32_t likely) {
+  return (grid.cloud().point(likely) - p).norm() <= radius_m || grid.nearest(p, radius_m);
+}
+
 // `p_C`: where the fingertip was planned to touch; `inward_C`: the normal of its region.
 Touch touch(const Vector3d& p_C, const Vector3d& inward_C, const PointGrid& object_C, double spacing_m,
             const ContactOptions& options) {
@@ -28,7 +33,7 @@ Touch touch(const Vector3d& p_C, const Vector3d& inward_C, const PointGrid& obje
   const auto surface = fitSurface(object_C, object_C.cloud().point(*nearest), radius);
   if (!surface) return {{}, ContactRejection::no_surface};
   const Vector3d touched_C = surface->project(p_C);
-  if (!object_C.nearest(touched_C, std::max(options.search_m, spacing_m)))
+  if (!pointWithin(object_C, touched_C, std::max(options.search_m, spacing_m), *nearest))
     return {{}, ContactRejection::no_surface};
   const double cosine = surface->normal.dot(inward_C);
   if (std::abs(cosine) < std::cos(options.max_normal_tilt_rad)) return {{}, ContactRejection::facing_away};

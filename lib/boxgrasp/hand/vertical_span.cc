@@ -13,18 +13,8 @@ constexpr VerticalSpan kNothing{std::numeric_limits<double>::infinity(),
                                 -std::numeric_limits<double>::infinity()};
 constexpr VerticalSpan kAll{kNothing.high, kNothing.low};
 
-VerticalSpan intersection(const VerticalSpan& x, const VerticalSpan& y) {
-  return {std::max(x.low, y.low), std::min(x.high, y.high)};
-}
-
-VerticalSpan insideSphere(const Vector3d& center, double radius, const Vector2d& line) {
-  const double rest = radius * radius - (line - center.head<2>()).squaredNorm();
-  if (rest < 0) return kNothing;
-  return {center.z() - std::sqrt(rest), center.z() + std::sqrt(rest)};
-}
-
-// Between the planes through a and b across the unit vector `axis`; `foot` is a point of the line, relative
-// to a.
+// Between the planes through both ends of the axis, across it; `foot` is a point of the line, relative to the
+// first end.
 VerticalSpan betweenEnds(const Vector3d& foot, const Vector3d& axis, double length) {
   const double at_foot = foot.dot(axis);
   if (axis.z() == 0.0) return at_foot >= 0 && at_foot <= length ? kAll : kNothing;
@@ -46,29 +36,37 @@ VerticalSpan insideCylinder(const Vector3d& foot, const Vector3d& axis, double r
   return {(-linear - half) / quadratic, (-linear + half) / quadratic};
 }
 
-// z relative to a.
-VerticalSpan insideTrunk(const Vector3d& a, const Vector3d& b, double radius, const Vector2d& line) {
-  const double length = (b - a).norm();
-  if (length == 0.0) return kNothing;
-  const Vector3d axis = (b - a) / length, foot(line.x() - a.x(), line.y() - a.y(), 0.0);
-  const VerticalSpan trunk =
-      intersection(betweenEnds(foot, axis, length), insideCylinder(foot, axis, radius));
-  return {trunk.low + a.z(), trunk.high + a.z()};
-}
-
 }  // namespace
 
-std::optional<VerticalSpan> verticalSpan(const Vector3d& a, const Vector3d& b, double radius,
-                                         const Vector2d& line) {
+CapsuleSpans::CapsuleSpans(const Vector3d& a, const Vector3d& b, double radius)
+    : a_(a), b_(b), radius_(radius), length_((b - a).norm()), axis_((b - a).normalized()) {
+  sideways_ = Vector2d(-axis_.y(), axis_.x()).normalized();
+}
+
+std::optional<VerticalSpan> CapsuleSpans::at(const Vector2d& line) const {
+  // Most lines that are asked for pass the capsule by.
+  if (std::abs(sideways_.dot(line - a_.head<2>())) > radius_) return std::nullopt;
   // The capsule is convex, so what lies in its parts joins to one span.
   VerticalSpan whole = kNothing;
-  for (const VerticalSpan& part :
-       {insideSphere(a, radius, line), insideSphere(b, radius, line), insideTrunk(a, b, radius, line)}) {
+  for (const VerticalSpan& part : {insideSphere(a_, line), insideSphere(b_, line), insideTrunk(line)}) {
     if (part.low > part.high) continue;
     whole = {std::min(whole.low, part.low), std::max(whole.high, part.high)};
   }
   if (whole.low > whole.high) return std::nullopt;
   return whole;
+}
+
+VerticalSpan CapsuleSpans::insideSphere(const Vector3d& center, const Vector2d& line) const {
+  const double rest = radius_ * radius_ - (line - center.head<2>()).squaredNorm();
+  if (rest < 0) return kNothing;
+  return {center.z() - std::sqrt(rest), center.z() + std::sqrt(rest)};
+}
+
+VerticalSpan CapsuleSpans::insideTrunk(const Vector2d& line) const {
+  if (length_ == 0.0) return kNothing;
+  const Vector3d foot(line.x() - a_.x(), line.y() - a_.y(), 0.0);
+  const VerticalSpan ends = betweenEnds(foot, axis_, length_), sides = insideCylinder(foot, axis_, radius_);
+  return {a_.z() + std::max(ends.low, sides.low), a_.z() + std::min(ends.high, sides.high)};
 }
 
 }  // namespace boxgrasp

@@ -25,7 +25,7 @@ void expectExact(const Vector3d& a, const Vector3d& b, double radius, const Vect
   const auto inside = [&](double z, double slack) {
     return distanceFromSegment({line.x(), line.y(), z}, a, b) <= radius + slack;
   };
-  const auto span = verticalSpan(a, b, radius, line);
+  const auto span = CapsuleSpans(a, b, radius).at(line);
   if (!span) {
     for (double z = -3; z < 3; z += 0.003) ASSERT_FALSE(inside(z, -1e-9)) << "missed the capsule at z " << z;
     return;
@@ -38,7 +38,7 @@ void expectExact(const Vector3d& a, const Vector3d& b, double radius, const Vect
   }
 }
 
-TEST(VerticalSpan, IsExactForCapsulesOfAnyDirection) {
+TEST(CapsuleSpans, IsExactForCapsulesOfAnyDirection) {
   std::mt19937_64 random(1);
   int met = 0;
   for (int trial = 0; trial < 3000; ++trial) {
@@ -46,12 +46,12 @@ TEST(VerticalSpan, IsExactForCapsulesOfAnyDirection) {
     const Vector2d line = randomPoint(random).head<2>();
     const double radius = uniform(random, 0.01, 0.5);
     expectExact(a, b, radius, line);
-    met += verticalSpan(a, b, radius, line).has_value();
+    met += CapsuleSpans(a, b, radius).at(line).has_value();
   }
   EXPECT_GT(met, 500);
 }
 
-TEST(VerticalSpan, IsExactForUprightLyingAndPointLikeCapsules) {
+TEST(CapsuleSpans, IsExactForUprightLyingAndPointLikeCapsules) {
   std::mt19937_64 random(2);
   for (int trial = 0; trial < 500; ++trial) {
     const Vector3d a = randomPoint(random);
@@ -63,16 +63,16 @@ TEST(VerticalSpan, IsExactForUprightLyingAndPointLikeCapsules) {
   }
 }
 
-TEST(VerticalSpan, KnownValues) {
-  const auto upright = verticalSpan({0, 0, 0}, {0, 0, 2}, 1, {0, 0});
+TEST(CapsuleSpans, KnownValues) {
+  const auto upright = CapsuleSpans({0, 0, 0}, {0, 0, 2}, 1).at({0, 0});
   ASSERT_TRUE(upright);
   EXPECT_DOUBLE_EQ(upright->low, -1);
   EXPECT_DOUBLE_EQ(upright->high, 3);
-  const auto lying = verticalSpan({-2, 0, 5}, {2, 0, 5}, 1, {1, 0.6});
+  const auto lying = CapsuleSpans({-2, 0, 5}, {2, 0, 5}, 1).at({1, 0.6});
   ASSERT_TRUE(lying);
   EXPECT_NEAR(lying->low, 4.2, 1e-12);
   EXPECT_NEAR(lying->high, 5.8, 1e-12);
-  EXPECT_FALSE(verticalSpan({-2, 0, 5}, {2, 0, 5}, 1, {1, 1.001}));
+  EXPECT_FALSE(CapsuleSpans({-2, 0, 5}, {2, 0, 5}, 1).at({1, 1.001}));
 }
 
 }  // namespace
