@@ -13,11 +13,10 @@ namespace boxgrasp {
 namespace {
 
 WrenchOptions wrenchOptions(const TriangleMesh& mesh, double friction) {
-  const MeshProperties properties = meshProperties(mesh);
   WrenchOptions options;
   options.friction = friction;
-  options.p_CG = properties.center_of_mass;
-  options.torque_scale_m = properties.max_radius_m;
+  options.p_CG = massPropertiesOf(mesh).center_M;
+  options.torque_scale_m = largestDistance(mesh, options.p_CG);
   return options;
 }
 
