@@ -128,7 +128,7 @@ TEST_P(PlannerOnObjects, MirroredCloudGivesMirroredContacts) {
   EXPECT_GE(found, top - 2 * (top / 5)) << "of the best " << top << " grasps this many have a mirror image";
 }
 
-INSTANTIATE_TEST_SUITE_P(Objects, PlannerOnObjects, ::testing::Values("mug", "radio", "bottle"),
+INSTANTIATE_TEST_SUITE_P(Objects, PlannerOnObjects, ::testing::Values("mug", "radio", "toy_dog"),
                          [](const auto& object) { return std::string(object.param); });
 
 void expectSameBytes(const PlanResult& a, const PlanResult& b) {
@@ -177,7 +177,8 @@ TEST(GraspPlanner, TheReportAccountsForEveryCandidate) {
   EXPECT_EQ(stages["clearance"].in, stages["force closure"].out);
   EXPECT_EQ(stages["ranking"].in, stages["clearance"].out);
   EXPECT_EQ(stages["distinct"].out, result.grasps.size());
-  EXPECT_EQ(result.report.rejected.at("contacts not in force closure"),
+  const auto fell = result.report.rejected.find("contacts not in force closure");
+  EXPECT_EQ(fell == result.report.rejected.end() ? 0 : fell->second,
             stages["force closure"].in - stages["force closure"].out);
 }
 
