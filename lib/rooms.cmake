@@ -21,8 +21,22 @@ target_sources(boxgrasp_hand PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/barrett_toml.cc
 boxgrasp_room(quality       ROOMS base geometry synthesis hand)
 boxgrasp_room(wrench        ROOMS base geometry LIBRARIES PkgConfig::QHULL)
 boxgrasp_room(ranking       ROOMS base LIBRARIES nlohmann_json::nlohmann_json PkgConfig::SODIUM)
-boxgrasp_room(planning      ROOMS base geometry cloud decomposition projection synthesis hand quality wrench ranking)
+boxgrasp_room(planning      ROOMS base geometry cloud decomposition projection synthesis hand quality wrench ranking
+                            LIBRARIES PkgConfig::TOMLPLUSPLUS)
 boxgrasp_room(rendering     ROOMS base geometry decomposition projection synthesis hand planning
                             LIBRARIES opencv_core opencv_imgproc opencv_imgcodecs)
 boxgrasp_room(objects       ROOMS base geometry)
 boxgrasp_room(training      ROOMS base geometry wrench ranking planning objects)
+
+# The wire: lcm-gen makes one header of each .lcm file.
+find_program(LCM_GEN lcm-gen REQUIRED)
+set(lcm_headers ${PROJECT_BINARY_DIR}/lcmtypes)
+file(GLOB lcm_files CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/lcmtypes/*.lcm)
+add_custom_command(OUTPUT ${lcm_headers}/stamp
+                   COMMAND ${LCM_GEN} -x --cpp-hpath ${lcm_headers} ${lcm_files}
+                   COMMAND ${CMAKE_COMMAND} -E touch ${lcm_headers}/stamp
+                   DEPENDS ${lcm_files} COMMENT "Generating LCM types")
+add_custom_target(boxgrasp_lcmtypes DEPENDS ${lcm_headers}/stamp)
+boxgrasp_room(messaging     ROOMS base geometry planning LIBRARIES PkgConfig::LCM)
+add_dependencies(boxgrasp_messaging boxgrasp_lcmtypes)
+target_include_directories(boxgrasp_messaging SYSTEM PUBLIC ${lcm_headers})

@@ -1,0 +1,178 @@
+#include "boxgrasp/messaging/plan_conversion.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+
+#include "boxgrasp/base/error.h"
+#include "boxgrasp/messaging/cloud_conversion.h"
+
+namespace boxgrasp {
+namespace {
+
+static_assert(plan_response_t::GRASPS == static_cast<int>(Outcome::grasps));
+static_assert(plan_response_t::NO_GRASP == static_cast<int>(Outcome::no_grasp));
+static_assert(plan_response_t::BAD_INPUT == static_cast<int>(Outcome::bad_input));
+static_assert(plan_response_t::DEADLINE == static_cast<int>(Outcome::deadline));
+static_assert(plan_response_t::CANCELLED == static_cast<int>(Outcome::cancelled));
+
+void put(const Vector3d& v, double (&out)[3]) { std::copy_n(v.data(), 3, out); }
+
+void put(const Matrix3d& R, double (&wxyz)[4]) {
+  Eigen::Quaterniond q(R);
+  if (q.w() < 0) q.coeffs() *= -1.0;
+  const std::array<double, 4> values{q.w(), q.x(), q.y(), q.z()};
+  std::copy(values.begin(), values.end(), wxyz);
+}
+
+void put(const HandJoints& joints, double (&out)[4]) {
+  out[0] = joints.spread;
+  std::copy(joints.inner.begin(), joints.inner.end(), out + 1);
+}
+
+grasp_t toMessage(const Grasp& grasp, int first_box) {
+  grasp_t message{};
+  message.score = grasp.score;
+  put(grasp.X_CP.translation(), message.palm_position_m);
+  put(grasp.X_CP.linear(), message.palm_quaternion_wxyz);
+  put(grasp.joints, message.joints_rad);
+  put(grasp.pregrasp, message.pregrasp_rad);
+  for (int finger = 0; finger < 3; ++finger) {
+    put(grasp.contacts[finger].p_C, message.contacts[finger].position_m);
+    put(grasp.contacts[finger].normal_C, message.contacts[finger].normal);
+  }
+  put(grasp.approach_C, message.approach);
+  std::copy(grasp.quality.begin(), grasp.quality.end(), message.quality);
+  message.object = grasp.object;
+  message.box = first_box + grasp.box;
+  message.face = grasp.face;
+  return message;
+}
+
+box_t toMessage(const BoxNode& node, int object, int first_box) {
+  box_t message{};
+  put(node.box.X_CB.translation(), message.center_m);
+  put(node.box.X_CB.linear(), message.quaternion_wxyz);
+  put(node.box.extents, message.extents_m);
+  message.points = static_cast<int>(node.points.size());
+  message.parent = node.parent < 0 ? -1 : first_box + node.parent;
+  message.leaf = node.leaf();
+  message.theta = node.theta;
+  message.stop_reason = node.stop_reason;
+  message.object = object;
+  return message;
+}
+
+// Fills in the boxes and returns for each object where its own begin.
+std::vector<int> putBoxes(const PlanResult& result, plan_response_t& message) {
+  std::vector<int> first;
+  for (std::size_t object = 0; object < result.objects.size(); ++object) {
+    first.push_back(static_cast<int>(message.boxes.size()));
+    for (const BoxNode& node : result.objects[object].tree.nodes)
+      message.boxes.push_back(toMessage(node, static_cast<int>(object), first.back()));
+  }
+  message.num_boxes = static_cast<int>(message.boxes.size());
+  return first;
+}
+
+void putReport(const PlanReport& report, plan_response_t& message) {
+  for (const Stage& stage : report.stages) {
+    stage_t& row = message.stages.emplace_back();
+    row.name = stage.name;
+    row.num_in = static_cast<std::int64_t>(stage.in);
+    row.num_out = static_cast<std::int64_t>(stage.out);
+    row.time_s = stage.time_s;
+  }
+  for (const auto& [reason, count] : report.rejected) {
+    rejection_t& row = message.rejected.emplace_back();
+    row.reason = reason;
+    row.count = static_cast<std::int64_t>(count);
+  }
+  message.notes = report.notes;
+  message.num_stages = static_cast<int>(message.stages.size());
+  message.num_rejected = static_cast<int>(message.rejected.size());
+  message.num_notes = static_cast<int>(message.notes.size());
+  message.seed = static_cast<std::int64_t>(report.seed);
+  message.time_s = report.time_s;
+}
+
+Vector3d finite(const double (&values)[3], std::string_view member) {
+  const Vector3d v(values[0], values[1], values[2]);
+  if (!v.allFinite())
+    throw InputError(fmt::format("request: {} is ({}, {}, {}), but must be three finite numbers", member,
+                                 v.x(), v.y(), v.z()));
+  return v;
+}
+
+}  // namespace
+
+plan_request_t toMessage(const PlanRequest& request, const RequestEnvelope& envelope) {
+  plan_request_t message{};
+  message.utime = envelope.utime;
+  message.request_id = envelope.request_id;
+  message.cloud = toMessage(request.cloud_C, envelope.frame);
+  message.top_k = request.top_k == 0 ? -1 : request.top_k;
+  message.deadline_s = envelope.deadline_s;
+  message.friction = request.friction;
+  message.object = request.object;
+  message.has_gravity = request.gravity_C.has_value();
+  if (request.gravity_C) put(*request.gravity_C, message.gravity);
+  message.has_viewpoint = request.viewpoint_C.has_value();
+  if (request.viewpoint_C) put(*request.viewpoint_C, message.viewpoint_m);
+  return message;
+}
+
+PlanRequest fromMessage(const plan_request_t& message) {
+  PlanRequest request;
+  if (message.top_k < -1)
+    throw InputError(fmt::format("request: top_k is {}, but must be at least -1 (all)", message.top_k));
+  if (message.top_k != 0) request.top_k = std::max(message.top_k, 0);
+  if (!std::isfinite(message.friction) || message.friction < 0)
+    throw InputError(
+        fmt::format("request: friction is {}, but must be a coefficient above 0, or 0 for the default",
+                    message.friction));
+  if (message.friction > 0) request.friction = message.friction;
+  request.object = message.object;
+  if (message.has_gravity) request.gravity_C = finite(message.gravity, "gravity");
+  if (message.has_viewpoint) request.viewpoint_C = finite(message.viewpoint_m, "viewpoint_m");
+  request.cloud_C = fromMessage(message.cloud);
+  return request;
+}
+
+plan_response_t toMessage(const PlanResult& result, const std::string& request_id, const std::string& frame) {
+  plan_response_t message =
+      refusal(static_cast<std::int8_t>(result.outcome), result.message, request_id, frame);
+  message.model_version = result.model_version;
+  const std::vector<int> first_box = putBoxes(result, message);
+  for (const Grasp& grasp : result.grasps)
+    message.grasps.push_back(toMessage(grasp, first_box.at(grasp.object)));
+  message.num_grasps = static_cast<int>(message.grasps.size());
+  putReport(result.report, message);
+  return message;
+}
+
+plan_response_t refusal(std::int8_t outcome, const std::string& message, const std::string& request_id,
+                        const std::string& frame) {
+  plan_response_t response{};
+  response.outcome = outcome;
+  response.message = message;
+  response.request_id = request_id;
+  response.frame = frame;
+  return response;
+}
+
+std::string_view outcomeName(std::int8_t outcome) {
+  if (outcome == plan_response_t::OVERLOADED) return "overloaded";
+  if (outcome == plan_response_t::INTERNAL_ERROR) return "internal_error";
+  return describe(static_cast<Outcome>(outcome));
+}
+
+std::int64_t utimeNow() {
+  using namespace std::chrono;
+  return duration_cast<microseconds>(system_clock::now().time_since_epoch()).count();
+}
+
+}  // namespace boxgrasp
