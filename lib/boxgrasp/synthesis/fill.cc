@@ -80,6 +80,9 @@ FaceImage filled(const FaceImage& image, const ContourOptions& options) {
   FaceImage result = image;
   result.gray = pixelsOf(expanded(gray, kept, radius));
   result.farthest = flipped(pixelsOf(expanded(view(image, flipped_farthest), kept, radius)));
+  // Taking back mixes depths of neighbours, each image in its own direction.
+  std::transform(result.gray.begin(), result.gray.end(), result.farthest.begin(), result.farthest.begin(),
+                 [](auto near, auto far) { return std::min(near, far); });
   return result;
 }
 
