@@ -41,7 +41,7 @@ Model sample(const std::vector<int>& widths = {2, 2}) {
   model.data_hash = blake2bHex("data");
   model.seed = std::numeric_limits<std::uint64_t>::max();
   model.created = "2026-01-02T03:04:05Z";
-  model.network = testing::randomNetwork(widths, 11);
+  model.network = test::randomNetwork(widths, 11);
   for (int i = 0; i < widths.front(); ++i) model.features.push_back(fmt::format("q{}", i + 1));
   model.metrics = {{"s_net", 0.078}, {"s_net_fraction", 0.61}};
   return model;

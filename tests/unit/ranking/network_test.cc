@@ -11,9 +11,9 @@
 namespace boxgrasp {
 namespace {
 
+using test::randomMatrix;
+using test::randomNetwork;
 using ::testing::HasSubstr;
-using testing::randomMatrix;
-using testing::randomNetwork;
 
 std::string messageOf(const Network& network) {
   try {

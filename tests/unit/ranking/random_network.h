@@ -7,7 +7,7 @@
 #include "boxgrasp/base/random.h"
 #include "boxgrasp/ranking/network.h"
 
-namespace boxgrasp::testing {
+namespace boxgrasp::test {
 
 inline MatrixXd randomMatrix(Eigen::Index rows, Eigen::Index cols, std::mt19937_64& random) {
   MatrixXd m(rows, cols);
@@ -29,4 +29,4 @@ inline Network randomNetwork(const std::vector<int>& widths, std::uint64_t seed)
   return network;
 }
 
-}  // namespace boxgrasp::testing
+}  // namespace boxgrasp::test

@@ -17,8 +17,7 @@ using ::testing::HasSubstr;
 // The same law for every object, up to an offset of its own, as for an object that is easier to grasp.
 GroupedSamples objects(int count, Eigen::Index grasps, std::uint64_t seed) {
   GroupedSamples data{
-      testing::sampled(count * grasps, 3, seed, [](const VectorXd& x) { return x[0] - 0.5 * x[1] * x[1]; }),
-      {}};
+      test::sampled(count * grasps, 3, seed, [](const VectorXd& x) { return x[0] - 0.5 * x[1] * x[1]; }), {}};
   for (int o = 0; o < count; ++o) {
     data.samples.targets.segment(o * grasps, grasps).array() += 0.1 * o;
     data.objects.insert(data.objects.end(), static_cast<std::size_t>(grasps), fmt::format("object{}", o));
@@ -120,7 +119,7 @@ TEST(LeaveOneObjectOut, LeavesObjectsOfEqualSuccessOutOfTheMeanFraction) {
 
 TEST(LeaveOneObjectOut, RefusesDataThatCannotBeSplit) {
   EXPECT_THAT(errorOf([] { leaveOneObjectOut(objects(2, 10, 7)); }), HasSubstr("2 objects; give at least 3"));
-  EXPECT_THAT(errorOf([] { leaveOneObjectOut({testing::noSamples(3), {}}); }), HasSubstr("0 objects"));
+  EXPECT_THAT(errorOf([] { leaveOneObjectOut({test::noSamples(3), {}}); }), HasSubstr("0 objects"));
   GroupedSamples data = objects(3, 5, 8);
   data.objects[0] = "lonely";
   EXPECT_THAT(errorOf([&] { leaveOneObjectOut(data); }), HasSubstr("object 'lonely' has a single grasp"));

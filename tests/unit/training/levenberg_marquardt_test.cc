@@ -14,9 +14,9 @@
 namespace boxgrasp {
 namespace {
 
+using test::noSamples;
+using test::sampled;
 using ::testing::HasSubstr;
-using testing::noSamples;
-using testing::sampled;
 
 template <typename F>
 std::string errorOf(F&& f) {
@@ -148,7 +148,7 @@ TEST(Train, LearnsWhatATeacherNetworkDoes) {
 }
 
 TEST(Train, ErrorFallsWithEveryEpoch) {
-  const Trained trained = train(testing::noisy(300, 9, 12), noSamples(9));
+  const Trained trained = train(test::noisy(300, 9, 12), noSamples(9));
   const auto& mse = trained.report.training_mse;
   ASSERT_GT(mse.size(), 5u);
   for (std::size_t e = 1; e < mse.size(); ++e) EXPECT_LT(mse[e], mse[e - 1]) << "epoch " << e;
@@ -156,7 +156,7 @@ TEST(Train, ErrorFallsWithEveryEpoch) {
 }
 
 TEST(Train, ReportsTheErrorOfTheNetworkItReturns) {
-  const Samples training = testing::noisy(200, 4, 13), validation = testing::noisy(80, 4, 14);
+  const Samples training = test::noisy(200, 4, 13), validation = test::noisy(80, 4, 14);
   const Trained trained = train(training, validation);
   const auto best = static_cast<std::size_t>(trained.report.best_epoch);
   const auto mse = [&](const Samples& s) {
@@ -172,8 +172,8 @@ TEST(Train, ReportsTheErrorOfTheNetworkItReturns) {
 
 // Far more weights than noisy samples: without stopping, the network learns the noise.
 TEST(Train, StopsBeforeItLearnsTheNoise) {
-  const Samples training = testing::noisy(60, 3, 15), validation = testing::noisy(200, 3, 16),
-                unseen = testing::noisy(500, 3, 17);
+  const Samples training = test::noisy(60, 3, 15), validation = test::noisy(200, 3, 16),
+                unseen = test::noisy(500, 3, 17);
   LevenbergMarquardtOptions options = withHidden({12});
   options.starts = 1;
   const Trained stopped = train(training, validation, options),
@@ -187,7 +187,7 @@ TEST(Train, StopsBeforeItLearnsTheNoise) {
 }
 
 TEST(Train, KeepsTheBestOfItsStarts) {
-  const Samples training = testing::noisy(60, 3, 18), validation = testing::noisy(60, 3, 19);
+  const Samples training = test::noisy(60, 3, 18), validation = test::noisy(60, 3, 19);
   const auto bestError = [&](int starts) {
     LevenbergMarquardtOptions options;
     options.starts = starts;
@@ -206,7 +206,7 @@ TEST(Train, KeepsTheBestOfItsStarts) {
 // --- the same bits
 
 TEST(Train, GivesTheSameBitsAgainAndOthersForAnotherSeed) {
-  const Samples training = testing::noisy(333, 9, 20), validation = testing::noisy(50, 9, 21);
+  const Samples training = test::noisy(333, 9, 20), validation = test::noisy(50, 9, 21);
   LevenbergMarquardtOptions options;
   const VectorXd first = parameters(train(training, validation, options).network);
   EXPECT_EQ(parameters(train(training, validation, options).network), first);
@@ -228,7 +228,7 @@ TEST(Train, IgnoresAConstantFeature) {
 }
 
 TEST(Train, LearnsAConstantTarget) {
-  Samples samples = testing::noisy(40, 3, 23);
+  Samples samples = test::noisy(40, 3, 23);
   samples.targets.setConstant(0.7);
   EXPECT_EQ(score(train(samples, noSamples(3)).network, samples.inputs.row(5)), 0.7);
 }
@@ -241,7 +241,7 @@ TEST(Train, LearnsASingleSample) {
 TEST(Train, KeepsTheFirstWeightsInZeroEpochs) {
   LevenbergMarquardtOptions options;
   options.max_epochs = 0;
-  const Trained trained = train(testing::noisy(40, 3, 24), noSamples(3), options);
+  const Trained trained = train(test::noisy(40, 3, 24), noSamples(3), options);
   EXPECT_EQ(trained.report.training_mse.size(), 1u);
   EXPECT_EQ(trained.report.best_epoch, 0);
 }
@@ -250,19 +250,18 @@ TEST(Train, KeepsTheFirstWeightsInZeroEpochs) {
 TEST(Train, StartsFromNguyenAndWidrowsWeights) {
   LevenbergMarquardtOptions options;
   options.max_epochs = 0;
-  const Layer layer = train(testing::noisy(40, 9, 25), noSamples(9), options).network.layers[0];
+  const Layer layer = train(test::noisy(40, 9, 25), noSamples(9), options).network.layers[0];
   const double length = 0.7 * std::pow(8.0, 1.0 / 9.0);
   for (int o = 0; o < 8; ++o) EXPECT_NEAR(layer.weights.row(o).norm(), length, 1e-12) << "node " << o;
   EXPECT_NEAR(layer.bias.cwiseAbs().maxCoeff(), length, 1e-12);
 }
 
 TEST(Train, StopsWhenAsked) {
-  EXPECT_THROW(train(testing::noisy(40, 3, 26), noSamples(3), {}, StopToken(StopToken::Clock::now())),
-               Stopped);
+  EXPECT_THROW(train(test::noisy(40, 3, 26), noSamples(3), {}, StopToken(StopToken::Clock::now())), Stopped);
 }
 
 TEST(Train, RefusesBadSamplesByName) {
-  const Samples good = testing::noisy(40, 3, 27);
+  const Samples good = test::noisy(40, 3, 27);
   Samples bad = good;
   bad.targets[17] = NAN;
   EXPECT_THAT(errorOf([&] { train(bad, noSamples(3)); }),
@@ -274,7 +273,7 @@ TEST(Train, RefusesBadSamplesByName) {
   bad = good;
   bad.targets.conservativeResize(39);
   EXPECT_THAT(errorOf([&] { train(bad, noSamples(3)); }), HasSubstr("40 rows of inputs, but 39 targets"));
-  EXPECT_THAT(errorOf([&] { train(good, testing::noisy(5, 4, 1)); }),
+  EXPECT_THAT(errorOf([&] { train(good, test::noisy(5, 4, 1)); }),
               HasSubstr("4 features, but the training samples have 3"));
   EXPECT_THAT(errorOf([&] { train(noSamples(3), good); }), HasSubstr("there are none"));
   EXPECT_THAT(errorOf([&] {
@@ -284,7 +283,7 @@ TEST(Train, RefusesBadSamplesByName) {
 }
 
 TEST(Train, RefusesANetworkTooLargeForItsMethod) {
-  EXPECT_THAT(errorOf([&] { train(testing::noisy(5, 3, 28), noSamples(3), withHidden({1024})); }),
+  EXPECT_THAT(errorOf([&] { train(test::noisy(5, 3, 28), noSamples(3), withHidden({1024})); }),
               HasSubstr("a network of 5121 weights is too large"));
 }
 

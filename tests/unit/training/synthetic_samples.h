@@ -4,7 +4,7 @@
 #include "boxgrasp/base/random.h"
 #include "boxgrasp/training/levenberg_marquardt.h"
 
-namespace boxgrasp::testing {
+namespace boxgrasp::test {
 
 inline Samples noSamples(Eigen::Index features) { return {MatrixXd(0, features), VectorXd(0)}; }
 
@@ -27,4 +27,4 @@ inline Samples noisy(Eigen::Index n, Eigen::Index features, std::uint64_t seed) 
   });
 }
 
-}  // namespace boxgrasp::testing
+}  // namespace boxgrasp::test
