@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <limits>
 
 #include "boxgrasp/geometry/canonical_frame.h"
 #include "boxgrasp/geometry/exhaustive_search.h"
@@ -13,7 +14,7 @@ namespace boxgrasp {
 namespace {
 
 constexpr std::size_t kFewPoints = 96;       // a cloud this small is searched as it is
-constexpr std::size_t kSeedDirections = 36;  // of the first outermost points, a multiple of three
+constexpr std::size_t kSeedDirections = 24;  // of the first outermost points, a multiple of three
 constexpr std::size_t kChecked = 3;          // orientations compared with the whole cloud in a round
 constexpr int kRounds = 12;                  // smooth shapes need the most
 constexpr int kPasses = 2;                   // the first pass can miss what only its own points reveal
@@ -27,7 +28,6 @@ class OrientationHunt {
  public:
   explicit OrientationHunt(const PointCloud& cloud_C)
       : cloud_C_(cloud_C), X_CK_(canonicalFrame(cloud_C)), axes_C_(X_CK_.linear()) {
-    volume_ = boxAround(cloud_C, axes_C_).volume();
     whole_ = cloud_C.size() <= kFewPoints;
     takeIn(whole_ ? cloud_C : seeds());
   }
@@ -99,7 +99,7 @@ class OrientationHunt {
   PointCloud few_K_;
   bool whole_;       // few_K_ is the whole cloud
   Matrix3d axes_C_;  // the best so far
-  double volume_;
+  double volume_ = std::numeric_limits<double>::infinity();
 };
 
 // The box with its axes in order of falling extent, the first two towards the mean of the cloud as seen from

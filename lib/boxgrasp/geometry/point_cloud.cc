@@ -39,6 +39,25 @@ BOXGRASP_SIMD Range rangeAlong(const float* x, const float* y, const float* z, s
   return {*std::min_element(low, low + kLanes), *std::max_element(high, high + kLanes)};
 }
 
+// Smallest and largest of the values.
+BOXGRASP_SIMD Range rangeOf(const float* values, std::size_t n) {
+  float low[kLanes], high[kLanes];
+  std::fill_n(low, kLanes, std::numeric_limits<float>::infinity());
+  std::fill_n(high, kLanes, -std::numeric_limits<float>::infinity());
+  const std::size_t whole = n - n % kLanes;
+  for (std::size_t i = 0; i < whole; i += kLanes) {
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      low[k] = values[i + k] < low[k] ? values[i + k] : low[k];
+      high[k] = values[i + k] > high[k] ? values[i + k] : high[k];
+    }
+  }
+  for (std::size_t i = whole; i < n; ++i) {
+    low[0] = std::min(low[0], values[i]);
+    high[0] = std::max(high[0], values[i]);
+  }
+  return {*std::min_element(low, low + kLanes), *std::max_element(high, high + kLanes)};
+}
+
 // out = r.(x, y, z) + t for every point: one row of a pose.
 BOXGRASP_SIMD void transformRow(const float* x, const float* y, const float* z, std::size_t n,
                                 const double* r, double t, float* out) {
@@ -91,8 +110,10 @@ PointCloud transformed(const PointCloud& cloud_A, const Pose& X_BA) {
 }
 
 Eigen::AlignedBox3d bounds(const PointCloud& cloud) {
-  const AxisRanges ranges = rangesAlong(cloud, Matrix3d::Identity());
-  return {ranges.min, ranges.max};
+  const auto x = point_cloud_passes::rangeOf(cloud.x.data(), cloud.size());
+  const auto y = point_cloud_passes::rangeOf(cloud.y.data(), cloud.size());
+  const auto z = point_cloud_passes::rangeOf(cloud.z.data(), cloud.size());
+  return {Vector3d(x.min, y.min, z.min), Vector3d(x.max, y.max, z.max)};
 }
 
 AxisRanges rangesAlong(const PointCloud& cloud, const Matrix3d& axes) {

@@ -12,7 +12,7 @@ namespace boxgrasp {
 namespace support_passes {
 
 constexpr std::size_t kLanes = 16;
-constexpr std::size_t kBlock = 4096;
+constexpr std::size_t kBlock = 1024;  // small, since blocks that hold an outermost point are read again
 
 struct Frame {
   float origin[3];
@@ -47,12 +47,15 @@ BOXGRASP_SIMD Ranges rangesOf(const float* px, const float* py, const float* pz,
     for (std::size_t k = 0; k < kLanes; ++k) include(k, px[i + k], py[i + k], pz[i + k]);
   }
   for (std::size_t i = whole; i < n; ++i) include(0, px[i], py[i], pz[i]);
-  Ranges ranges;
-  for (int axis = 0; axis < 3; ++axis) {
-    ranges.low[axis] = *std::min_element(low[axis], low[axis] + kLanes);
-    ranges.high[axis] = *std::max_element(high[axis], high[axis] + kLanes);
+  for (std::size_t width = kLanes / 2; width > 0; width /= 2) {
+    for (int axis = 0; axis < 3; ++axis) {
+      for (std::size_t k = 0; k < width; ++k) {
+        low[axis][k] = low[axis][k + width] < low[axis][k] ? low[axis][k + width] : low[axis][k];
+        high[axis][k] = high[axis][k + width] > high[axis][k] ? high[axis][k + width] : high[axis][k];
+      }
+    }
   }
-  return ranges;
+  return {{low[0][0], low[1][0], low[2][0]}, {high[0][0], high[1][0], high[2][0]}};
 }
 
 }  // namespace support_passes
