@@ -65,5 +65,3 @@ BENCHMARK_CAPTURE(buildObject, squirrel, "squirrel")->Unit(benchmark::kMilliseco
 
 }  // namespace
 }  // namespace boxgrasp
-
-BENCHMARK_MAIN();
