@@ -1,6 +1,5 @@
 #include "boxgrasp/synthesis/contours.h"
 
-#include <cmath>
 #include <opencv2/imgproc.hpp>
 
 #include "boxgrasp/geometry/polygon.h"
@@ -9,19 +8,21 @@
 namespace boxgrasp {
 namespace {
 
-// The image with an empty margin, wide enough that smoothing does not reach its edge.
-cv::Mat withMargin(const FaceImage& image, int margin) {
+constexpr int kMargin_px =
+    1;  // around the image, so that silhouettes close even where the object reaches its edge
+
+cv::Mat withMargin(const FaceImage& image) {
   const cv::Mat gray(image.height, image.width, CV_8U, const_cast<std::uint8_t*>(image.gray.data()));
   cv::Mat wide;
-  cv::copyMakeBorder(gray, wide, margin, margin, margin, margin, cv::BORDER_CONSTANT);
+  cv::copyMakeBorder(gray, wide, kMargin_px, kMargin_px, kMargin_px, kMargin_px, cv::BORDER_CONSTANT);
   return wide;
 }
 
-Contour contourOf(const PixelLine& line, const FaceImage& image, int margin) {
+Contour contourOf(const PixelLine& line, const FaceImage& image) {
   const PixelLine even = evenlySpaced(line);
   Contour contour;
   contour.closed = even.closed;
-  for (const Vector2d& p : even.points) contour.points_F.push_back(image.toFace(p.array() - margin));
+  for (const Vector2d& p : even.points) contour.points_F.push_back(image.toFace(p.array() - kMargin_px));
   return contour;
 }
 
@@ -34,12 +35,11 @@ double grayStep(const FaceImage& image, double step_m) {
 std::vector<Contour> findContours(const FaceImage& filled_image, const ContourOptions& options) {
   options.validate();
   if (filled_image.gray.empty()) return {};
-  const int margin = static_cast<int>(std::ceil(3.0 * options.canny_sigma_px)) + 1;
-  const cv::Mat gray = withMargin(filled_image, margin);
+  const cv::Mat gray = withMargin(filled_image);
   const cv::Mat coverage = smoothedCoverage(gray, options.canny_sigma_px);
   std::vector<Contour> contours;
   const auto keep = [&](const PixelLine& line, ContourKind kind) {
-    Contour contour = contourOf(line, filled_image, margin);
+    Contour contour = contourOf(line, filled_image);
     if (static_cast<int>(contour.points_F.size()) < options.min_points) return;
     contour.kind = kind;
     contours.push_back(std::move(contour));

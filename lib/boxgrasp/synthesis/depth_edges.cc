@@ -1,32 +1,34 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <opencv2/imgproc.hpp>
 #include <optional>
+#include <utility>
 
 #include "boxgrasp/synthesis/edges.h"
+#include "boxgrasp/synthesis/smoothing.h"
 
 namespace boxgrasp {
 namespace {
 
 constexpr int kBins = 64;  // of the gradient histogram, as Matlab's edge()
-constexpr double kKnown =
-    0.841 * 65535.0;  // coverage 1 sigma inside a straight border: from here on there is a gradient,
-constexpr double kClear =
-    0.977 * 65535.0;  // and from 2 sigma on, with neighbours to compare, there are edges
-constexpr double kStepReach =
-    1.6;  // sigmas to either side of an edge where its step is measured: 4 px for 2.5
+// Coverages 1 and 2 sigma inside a straight border: from the first on there is a gradient, from the second
+// on, with neighbours to compare, there are edges.
+constexpr double kKnown = 0.841, kClear = 0.977;
+// Gradients that differ by less than this share are equal to rounding.
+constexpr double kEqual = 1e-5;
+// Sigmas to either side of an edge where its step is measured: 4 px for 2.5.
+constexpr double kStepReach = 1.6;
 
 // The depth smoothed over the occupied pixels only (normalised convolution), in gray levels; 0 elsewhere.
 cv::Mat smoothedDepth(const cv::Mat& gray, const cv::Mat& coverage, double sigma_px) {
-  cv::Mat wide;
-  gray.convertTo(wide, CV_16U, 257.0);
-  cv::GaussianBlur(wide, wide, {}, sigma_px, sigma_px, cv::BORDER_REPLICATE);
-  cv::Mat depth = cv::Mat::zeros(gray.size(), CV_64F);
+  cv::Mat depth;
+  gray.convertTo(depth, CV_32F);
+  depth = smoothed(depth, sigma_px);
   for (int row = 0; row < gray.rows; ++row) {
+    const float* weights = coverage.ptr<float>(row);
+    float* values = depth.ptr<float>(row);
     for (int column = 0; column < gray.cols; ++column) {
-      const double weight = coverage.at<std::uint16_t>(row, column);
-      if (weight > 0.0) depth.at<double>(row, column) = 255.0 * wide.at<std::uint16_t>(row, column) / weight;
+      values[column] = weights[column] > 0.0f ? values[column] / weights[column] : 0.0f;
     }
   }
   return depth;
@@ -36,15 +38,17 @@ cv::Mat smoothedDepth(const cv::Mat& gray, const cv::Mat& coverage, double sigma
 class Gradient {
  public:
   Gradient(const cv::Mat& depth, const cv::Mat& coverage)
-      : width_(depth.cols), vectors_(depth.total(), Vector2d::Zero()), magnitudes_(depth.total(), 0.0) {
+      : width_(depth.cols),
+        vectors_(depth.total(), Eigen::Vector2f::Zero()),
+        magnitudes_(depth.total(), 0.0f) {
     for (int row = 1; row + 1 < depth.rows; ++row) {
       for (int column = 1; column + 1 < depth.cols; ++column) {
-        const double inside = coverage.at<std::uint16_t>(row, column);
+        const double inside = coverage.at<float>(row, column);
         if (inside < kKnown) continue;
-        const double dx = depth.at<double>(row, column + 1) - depth.at<double>(row, column - 1);
-        const double dy = depth.at<double>(row + 1, column) - depth.at<double>(row - 1, column);
+        const float dx = depth.at<float>(row, column + 1) - depth.at<float>(row, column - 1);
+        const float dy = depth.at<float>(row + 1, column) - depth.at<float>(row - 1, column);
         const std::size_t pixel = index(column, row);
-        vectors_[pixel] = 0.5 * Vector2d(dx, dy);
+        vectors_[pixel] = 0.5f * Eigen::Vector2f(dx, dy);
         magnitudes_[pixel] = vectors_[pixel].norm();
         if (inside >= kClear) clear_.push_back(pixel);
       }
@@ -54,7 +58,7 @@ class Gradient {
   int width() const { return width_; }
   const std::vector<std::size_t>& clearPixels() const { return clear_; }  // clear of the silhouettes
   double magnitude(std::size_t pixel) const { return magnitudes_[pixel]; }
-  Vector2d direction(std::size_t pixel) const { return vectors_[pixel] / magnitudes_[pixel]; }
+  Vector2d direction(std::size_t pixel) const { return vectors_[pixel].cast<double>().normalized(); }
   Vector2d position(std::size_t pixel) const {
     return {static_cast<double>(pixel % width_), static_cast<double>(pixel / width_)};
   }
@@ -71,8 +75,8 @@ class Gradient {
   std::size_t index(int column, int row) const { return static_cast<std::size_t>(row) * width_ + column; }
 
   int width_;
-  std::vector<Vector2d> vectors_;
-  std::vector<double> magnitudes_;
+  std::vector<Eigen::Vector2f> vectors_;
+  std::vector<float> magnitudes_;
   std::vector<std::size_t> clear_;
 };
 
@@ -119,7 +123,9 @@ std::optional<Vector2d> maximumAt(const Gradient& gradient, std::size_t pixel) {
   const Vector2d p = gradient.position(pixel), u = gradient.direction(pixel);
   const double here = gradient.magnitude(pixel);
   const double before = gradient.magnitudeAt(p - u), behind = gradient.magnitudeAt(p + u);
-  if (here < before || here <= behind || before <= 0.0 || behind <= 0.0) return std::nullopt;
+  // Of two equal neighbours exactly one is the maximum, rounding or not.
+  if (here < (1 - kEqual) * before || here <= (1 + kEqual) * behind) return std::nullopt;
+  if (before <= 0.0 || behind <= 0.0) return std::nullopt;
   const double offset = 0.5 * (before - behind) / (before - 2.0 * here + behind);
   return p + std::clamp(offset, -0.5, 0.5) * u;
 }
@@ -127,35 +133,38 @@ std::optional<Vector2d> maximumAt(const Gradient& gradient, std::size_t pixel) {
 // Edge pixels, and the lines that they form.
 class Linker {
  public:
-  Linker(const Gradient& gradient, int rows, Thresholds thresholds, const cv::Mat& gray,
+  Linker(const Gradient& gradient, Thresholds thresholds, const cv::Mat& gray,
          const DepthEdgeOptions& options)
-      : gradient_(gradient),
-        high_(thresholds.high),
-        places_(static_cast<std::size_t>(rows) * gradient.width()) {
+      : gradient_(gradient), high_(thresholds.high), free_(gray.total(), -1) {
     const double reach_px = kStepReach * options.sigma_px;
     for (const auto pixel : gradient.clearPixels()) {
       if (gradient.magnitude(pixel) < thresholds.low || gradient.magnitude(pixel) <= 0.0) continue;
       const auto place = maximumAt(gradient, pixel);
       if (!place || stepAcross(gray, *place, gradient.direction(pixel), reach_px) < options.min_step_gray)
         continue;
-      places_[pixel] = place;
-      edge_pixels_.push_back(pixel);
+      free_[pixel] = static_cast<int>(edges_.size());
+      edges_.push_back({pixel, *place});
     }
   }
 
   // Lines with a gradient above the high threshold somewhere (the hysteresis of Canny).
   std::vector<PixelLine> lines(int min_points) {
     std::vector<PixelLine> found;
-    for (const auto seed : edge_pixels_) {
-      if (!places_[seed]) continue;
+    for (const Edge& seed : edges_) {
+      if (free_[seed.pixel] < 0) continue;
       strong_ = false;
-      PixelLine line = lineThrough(seed);
+      PixelLine line = lineThrough(seed.pixel);
       if (strong_ && static_cast<int>(line.points.size()) >= min_points) found.push_back(std::move(line));
     }
     return found;
   }
 
  private:
+  struct Edge {
+    std::size_t pixel;
+    Vector2d place;
+  };
+
   PixelLine lineThrough(std::size_t seed) {
     PixelLine line;
     line.points.push_back(take(seed));
@@ -169,9 +178,7 @@ class Linker {
 
   Vector2d take(std::size_t pixel) {
     strong_ |= gradient_.magnitude(pixel) >= high_;
-    const Vector2d place = *places_[pixel];
-    places_[pixel].reset();
-    return place;
+    return edges_[std::exchange(free_[pixel], -1)].place;
   }
 
   // Forward is where the brighter side is on the left.
@@ -191,7 +198,7 @@ class Linker {
     for (int dy = -1; dy <= 1; ++dy) {
       for (int dx = -1; dx <= 1; ++dx) {
         const std::size_t next = pixel + static_cast<std::ptrdiff_t>(dy) * gradient_.width() + dx;
-        if (!places_[next] || gradient_.direction(next).dot(u) <= 0.0) continue;
+        if (free_[next] < 0 || gradient_.direction(next).dot(u) <= 0.0) continue;
         const double cosine = ahead.dot(Vector2d(dx, dy).normalized());
         if (cosine <= best_cosine) continue;
         best = next;
@@ -203,8 +210,8 @@ class Linker {
 
   const Gradient& gradient_;
   double high_;
-  std::vector<std::optional<Vector2d>> places_;  // of the edge pixels not yet on a line
-  std::vector<std::size_t> edge_pixels_;
+  std::vector<Edge> edges_;
+  std::vector<int> free_;  // for each pixel the number of its edge while it is on no line, else -1
   bool strong_ = false;
 };
 
@@ -214,7 +221,7 @@ std::vector<PixelLine> depthEdges(const cv::Mat& gray, const cv::Mat& coverage,
                                   const DepthEdgeOptions& options) {
   const Gradient gradient(smoothedDepth(gray, coverage, options.sigma_px), coverage);
   const Thresholds thresholds = automaticThresholds(gradient, options);
-  return Linker(gradient, gray.rows, thresholds, gray, options).lines(options.min_points);
+  return Linker(gradient, thresholds, gray, options).lines(options.min_points);
 }
 
 }  // namespace boxgrasp

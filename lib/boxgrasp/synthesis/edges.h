@@ -15,12 +15,11 @@ struct PixelLine {
   std::vector<Vector2d> points;
 };
 
-// The occupied area smoothed by a Gaussian, 16 bits: 65535 far inside, 32768 on a straight border. The
-// smoothing is in integers, so that it gives the same bits on every machine. Pre: `gray` is 8-bit.
+// The occupied area (1, elsewhere 0) smoothed by a Gaussian: 0.5 on a straight border. Pre: `gray` is CV_8U.
 cv::Mat smoothedCoverage(const cv::Mat& gray, double sigma_px);
 
-// The closed lines where the coverage is one half (marching squares). Pre: the image's outermost pixels are
-// below one half.
+// The closed lines where the coverage is one half (marching squares). Pre: the coverage is CV_32F and at most
+// one half in the outermost pixels.
 std::vector<PixelLine> silhouettes(const cv::Mat& coverage);
 
 struct DepthEdgeOptions {

@@ -1,14 +1,14 @@
 #include <array>
 #include <cmath>
-#include <opencv2/imgproc.hpp>
 #include <utility>
 
 #include "boxgrasp/synthesis/edges.h"
+#include "boxgrasp/synthesis/smoothing.h"
 
 namespace boxgrasp {
 namespace {
 
-constexpr double kHalf = 32767.5;  // between two values, so that no pixel lies on the line
+constexpr float kHalf = 0.5f;
 
 // The half-level line crosses edges of the pixel grid, numbered 2 * pixel for the edge to the next column and
 // 2 * pixel + 1 for the edge to the next row. Each crossing has one successor along the line.
@@ -33,7 +33,7 @@ class HalfLevel {
   }
 
  private:
-  bool inside(int column, int row) const { return coverage_.at<std::uint16_t>(row, column) > kHalf; }
+  bool inside(int column, int row) const { return coverage_.at<float>(row, column) > kHalf; }
   int edgeRight(int column, int row) const { return 2 * (row * coverage_.cols + column); }
   int edgeDown(int column, int row) const { return edgeRight(column, row) + 1; }
 
@@ -65,8 +65,8 @@ class HalfLevel {
   Vector2d crossing(int edge) const {
     const int pixel = edge / 2, column = pixel % coverage_.cols, row = pixel / coverage_.cols;
     const bool down = edge % 2 == 1;
-    const double a = coverage_.at<std::uint16_t>(row, column);
-    const double b = coverage_.at<std::uint16_t>(row + down, column + !down);
+    const double a = coverage_.at<float>(row, column);
+    const double b = coverage_.at<float>(row + down, column + !down);
     const double share = (kHalf - a) / (b - a);
     return {column + (down ? 0.0 : share), row + (down ? share : 0.0)};
   }
@@ -79,10 +79,9 @@ class HalfLevel {
 }  // namespace
 
 cv::Mat smoothedCoverage(const cv::Mat& gray, double sigma_px) {
-  cv::Mat coverage;
-  cv::Mat(gray > 0).convertTo(coverage, CV_16U, 257.0);
-  cv::GaussianBlur(coverage, coverage, {}, sigma_px, sigma_px, cv::BORDER_REPLICATE);
-  return coverage;
+  cv::Mat occupied;
+  cv::Mat(gray > 0).convertTo(occupied, CV_32F, 1.0 / 255.0);
+  return smoothed(occupied, sigma_px);
 }
 
 std::vector<PixelLine> silhouettes(const cv::Mat& coverage) {

@@ -76,35 +76,36 @@ class Depths {
       if (!inside) continue;
       triplet.nearest_depth_m[finger] = image_.depthOf(image_.gray[*inside]);
       triplet.farthest_depth_m[finger] =
-          image_.depthOf(std::min(image_.farthest[*inside], farthestAround(pixel)));
+          image_.depthOf(std::min(image_.farthest[*inside], farthestAround(rounded(pixel))));
     }
   }
 
  private:
-  std::optional<std::size_t> occupied(double x, double y) const {
-    const auto column = std::lround(x), row = std::lround(y);
-    if (column < 0 || row < 0 || column >= image_.width || row >= image_.height) return std::nullopt;
-    const std::size_t pixel = static_cast<std::size_t>(row) * image_.width + column;
-    return image_.gray[pixel] > 0 ? std::optional(pixel) : std::nullopt;
+  using Pixel = Eigen::Vector2i;
+  static Pixel rounded(const Vector2d& pixel) { return pixel.array().round().cast<int>(); }
+
+  std::optional<std::size_t> occupied(const Pixel& pixel) const {
+    const bool inside = (pixel.array() >= 0).all() && pixel.x() < image_.width && pixel.y() < image_.height;
+    if (!inside || image_.at(pixel.x(), pixel.y()) == 0) return std::nullopt;
+    return static_cast<std::size_t>(pixel.y()) * image_.width + pixel.x();
   }
 
   // The chord of a region may run outside its contour: the first occupied pixel on the way along the normal.
   std::optional<std::size_t> firstInside(const Vector2d& pixel, const Vector2d& normal) const {
     const int end = image_.width + image_.height;
     for (int step = kInside_px; step < end; ++step) {
-      const Vector2d at = pixel + step * normal;
-      if (const auto found = occupied(at.x(), at.y())) return found;
+      if (const auto found = occupied(rounded(pixel + step * normal))) return found;
     }
     return std::nullopt;
   }
 
-  std::uint8_t farthestAround(const Vector2d& pixel) const {
+  std::uint8_t farthestAround(const Pixel& pixel) const {
     const int reach = static_cast<int>(std::floor(kReach_m / image_.pixel_m));
     std::uint8_t least = 255;
     for (int dy = -reach; dy <= reach; ++dy) {
       for (int dx = -reach; dx <= reach; ++dx) {
         if (dx * dx + dy * dy > reach * reach) continue;
-        if (const auto found = occupied(pixel.x() + dx, pixel.y() + dy))
+        if (const auto found = occupied(pixel + Pixel(dx, dy)))
           least = std::min(least, image_.farthest[*found]);
       }
     }
