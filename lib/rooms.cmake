@@ -23,6 +23,15 @@ boxgrasp_room(wrench        ROOMS base geometry LIBRARIES PkgConfig::QHULL)
 boxgrasp_room(ranking       ROOMS base LIBRARIES nlohmann_json::nlohmann_json PkgConfig::SODIUM)
 boxgrasp_room(planning      ROOMS base geometry cloud decomposition projection synthesis hand quality wrench ranking
                             LIBRARIES PkgConfig::TOMLPLUSPLUS)
+# The built-in model is the text of the file that is shipped; without it the programs ask for --model.
+set(default_model ${PROJECT_SOURCE_DIR}/deploy/models/default.json)
+set(DEFAULT_MODEL_JSON "")
+if(EXISTS ${default_model})
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${default_model})
+  file(READ ${default_model} DEFAULT_MODEL_JSON)
+endif()
+configure_file(boxgrasp/planning/default_model_json.cc.in default_model_json.cc @ONLY)
+target_sources(boxgrasp_planning PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/default_model_json.cc)
 boxgrasp_room(rendering     ROOMS base geometry decomposition projection synthesis hand planning
                             LIBRARIES opencv_core opencv_imgproc opencv_imgcodecs)
 boxgrasp_room(objects       ROOMS base geometry)

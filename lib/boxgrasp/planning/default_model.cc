@@ -1,0 +1,15 @@
+#include "boxgrasp/planning/default_model.h"
+
+#include "boxgrasp/base/error.h"
+
+namespace boxgrasp {
+
+Model modelOrDefault(const std::optional<std::filesystem::path>& file) {
+  if (file) return readModel(*file);
+  if (*kDefaultModelJson == '\0')
+    throw InputError(
+        "this build has no built-in model; name one with --model FILE (boxgrasp-trainer train makes them)");
+  return parseModel(kDefaultModelJson, "the built-in model");
+}
+
+}  // namespace boxgrasp
