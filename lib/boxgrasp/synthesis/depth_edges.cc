@@ -102,7 +102,8 @@ Thresholds automaticThresholds(const Gradient& gradient, const DepthEdgeOptions&
 }
 
 // How much deeper the surface is behind the edge than before it, in gray levels, beyond what the gentler of
-// the slopes on both sides explains: a steep but steady slope has no step.
+// the slopes on both sides explains (the only one, where the object ends on the other): a steep but steady
+// slope has no step.
 double stepAcross(const cv::Mat& gray, const Vector2d& p, const Vector2d& towards_near, double reach_px) {
   const auto sample = [&](double reaches) -> std::optional<double> {
     const Vector2d at = p + reaches * reach_px * towards_near;
@@ -112,9 +113,10 @@ double stepAcross(const cv::Mat& gray, const Vector2d& p, const Vector2d& toward
   };
   const auto near = sample(1), far = sample(-1), nearer = sample(2), farther = sample(-2);
   if (!near || !far) return 0.0;
-  const double slope_near = nearer ? std::max(0.0, *nearer - *near) : 0.0;
-  const double slope_far = farther ? std::max(0.0, *far - *farther) : 0.0;
-  return *near - *far - 2.0 * std::min(slope_near, slope_far);
+  const double step = *near - *far;
+  const double slope_near = nearer ? std::max(0.0, *nearer - *near) : step;
+  const double slope_far = farther ? std::max(0.0, *far - *farther) : step;
+  return nearer || farther ? step - 2.0 * std::min(slope_near, slope_far) : step;
 }
 
 // The place of the greatest gradient across the edge, from the parabola through three samples; nullopt when

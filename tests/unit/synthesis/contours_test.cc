@@ -176,6 +176,26 @@ TEST(Contours, SmallStepsAndSteadySlopesAreNoDepthEdges) {
   EXPECT_EQ(edgesOf([](const Vector2d& p) { return p.x() < 0 ? 0.040 : 0.046; }), 0u);
   EXPECT_EQ(edgesOf([](const Vector2d& p) { return 0.01 + 0.8 * (p.x() + 0.05); }), 0u);
   EXPECT_EQ(edgesOf([](const Vector2d& p) { return 0.005 + std::abs(p.x()) * 1.8; }), 0u) << "a roof";
+  std::mt19937_64 random(5);
+  const auto noisyCylinder = [&](const Vector2d& p) {
+    return 0.06 - std::sqrt(0.0026 - p.x() * p.x()) + 0.0005 * normal(random);
+  };
+  EXPECT_EQ(edgesOf(noisyCylinder), 0u) << "steep towards its silhouettes";
+}
+
+TEST(Contours, AutomaticThresholdsLeaveTheirShareOfThePixelsBelow) {
+  const FaceImage image = drawn(161, [](const Vector2d& p) {
+    if (p.cwiseAbs().maxCoeff() > 0.06) return std::optional<double>();
+    return std::optional(p.x() < -0.02 ? 0.01 : p.x() < 0.02 ? 0.03 : 0.08);
+  });
+  const auto edgesWith = [&](const ContourOptions& options) {
+    return ofKind(findContours(image, options), ContourKind::depth_edge).size();
+  };
+  EXPECT_EQ(edgesWith({}), 2u) << "flat pixels are the most, so any step is above";
+  // Each step raises the gradient of about a tenth of the pixels; the larger step has 2.5 times the smaller
+  // one's.
+  EXPECT_EQ(edgesWith({.high_quantile = 0.98}), 1u) << "the smaller step is nowhere above the high threshold";
+  EXPECT_EQ(edgesWith({.high_quantile = 0.98, .low_fraction = 1.0}), 1u);
 }
 
 // Curved surfaces fade towards their silhouettes: there automatic thresholds on the whole image lose parts of
