@@ -143,7 +143,7 @@ class BruteForce {
     order_ = order;
     const double angle = -kCone + (step + 0.5) * 2 * kCone / steps_;
     h_ = turned(triplet_.normals_F[order[2]], angle);
-    constexpr double kStep_m = 0.00025;
+    constexpr double kStep_m = 0.001;
     const double from = hand_.base_radius + reach_.extension_min_m,
                  to = hand_.base_radius + reach_.extension_max_m;
     for (double s = from; s < to; s += kStep_m) {
@@ -201,7 +201,7 @@ TEST(FindConfigurations, BruteForceFindsNoOther) {
   options.thumb_steps = 20;
   options.depth_tolerance_m = 1.0;  // any depth will do: the search is in the plane
   std::size_t found_by_brute_force = 0, found_in_closed_form = 0;
-  for (int trial = 0; trial < 60; ++trial) {
+  for (int trial = 0; trial < 20; ++trial) {
     const KnownGrasp grasp = test::randomGrasp(hand, random, kCone);
     const auto found = findConfigurations(hand, grasp.triplet, 0, options).configurations;
     const auto expected = BruteForce(hand, grasp.triplet, options.thumb_steps).search();
@@ -218,7 +218,7 @@ TEST(FindConfigurations, BruteForceFindsNoOther) {
     found_by_brute_force += expected.size();
     found_in_closed_form += found.size();
   }
-  EXPECT_GT(found_by_brute_force, 100u);
+  EXPECT_GT(found_by_brute_force, 30u);
   EXPECT_NEAR(static_cast<double>(found_by_brute_force), static_cast<double>(found_in_closed_form),
               0.02 * static_cast<double>(found_in_closed_form))
       << "in the closed form " << found_in_closed_form;
