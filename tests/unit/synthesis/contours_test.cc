@@ -198,6 +198,22 @@ TEST(Contours, AutomaticThresholdsLeaveTheirShareOfThePixelsBelow) {
   EXPECT_EQ(edgesWith({.high_quantile = 0.98, .low_fraction = 1.0}), 1u);
 }
 
+TEST(Contours, AnEdgeGoesOnBelowTheHighThresholdWhereItIsLinked) {
+  const FaceImage image = drawn(161, [](const Vector2d& p) {
+    if (p.cwiseAbs().maxCoeff() > 0.06) return std::optional<double>();
+    return std::optional(p.x() < 0 ? 0.01 : 0.01 + 0.04 + 0.5 * p.y());
+  });
+  const auto longestWith = [&](double low_fraction) {
+    double longest = 0.0;
+    for (const auto& edge : ofKind(findContours(image, {.high_quantile = 0.95, .low_fraction = low_fraction}),
+                                   ContourKind::depth_edge))
+      longest = std::max(longest, lengthOf(edge));
+    return longest;
+  };
+  EXPECT_GT(longestWith(0.4), longestWith(1.0) + 0.01);
+  EXPECT_GT(longestWith(1.0), 0.01);
+}
+
 // Curved surfaces fade towards their silhouettes: there automatic thresholds on the whole image lose parts of
 // it.
 TEST(Contours, CurvedNoisyAndSparseSurfacesHaveCompleteSilhouettes) {

@@ -194,6 +194,23 @@ TEST(Regions, ACircleIsBrokenIntoAsFewAsItsBendingAllows) {
   EXPECT_TRUE(findRegions({circleContour(0.010)}).empty()) << "bent more than t_kappa";
 }
 
+TEST(Regions, AreShortWhereTheContourBendsAndLongWhereItIsFlat) {
+  std::vector<Vector2d> ellipse;
+  for (int i = 0; i < 3000; ++i) {
+    const double angle = 2 * std::numbers::pi * i / 3000;
+    ellipse.emplace_back(0.12 * std::cos(angle), 0.06 * std::sin(angle));
+  }
+  for (const Region& region : findRegions({test::closedContour(ellipse)})) {
+    const Vector2d middle = 0.5 * (region.a_F + region.b_F);
+    if (std::abs(middle.x()) < 0.03) {
+      EXPECT_GT(region.length(), 0.040) << "flank";
+    }
+    if (std::abs(middle.x()) > 0.108) {
+      EXPECT_LT(region.length(), 0.032) << "tip";
+    }
+  }
+}
+
 TEST(Regions, AStraightLineIsBrokenEvenly) {
   Contour line;
   for (int i = 0; i <= 120; ++i) line.points_F.emplace_back(0.001 * i, 0.0);

@@ -312,6 +312,23 @@ TEST(Triplets, DepthsAreThoseOfTheSurfaceInsideAndAroundTheFinger) {
   }
 }
 
+TEST(Triplets, DepthsOfAChordOutsideItsContourAreThoseWhereTheSurfaceBegins) {
+  FaceImage image = test::drawnFlat(161, [](const Vector2d& p) { return p.norm() < 0.03; });
+  for (auto& far : image.farthest) far = far > 0 ? 64 : 0;
+  std::vector<Region> regions;
+  for (int i = 0; i < 3; ++i) {
+    const double angle = 2 * std::numbers::pi * i / 3;
+    const Vector2d out(std::cos(angle), std::sin(angle)), t(-out.y(), out.x());
+    regions.push_back(regionFrom(0.036 * out - 0.015 * t, 0.036 * out + 0.015 * t));
+  }
+  const auto found = findTriplets(regions, image).triplets;
+  ASSERT_EQ(found.size(), 1u);
+  for (int f = 0; f < 3; ++f) {
+    EXPECT_NEAR(found[0].nearest_depth_m[f], 0.02, 0.0004);
+    EXPECT_NEAR(found[0].farthest_depth_m[f], image.depthOf(64), 1e-12);
+  }
+}
+
 TEST(Triplets, FewerThanThreeRegionsGiveNone) {
   std::mt19937_64 random(10);
   for (int n = 0; n < 3; ++n)
