@@ -49,16 +49,17 @@ FaceImage filled(const FaceImage& image, const ContourOptions& options = {});
 // The edges of a filled image in the sense of Canny (maxima of the gradient of the smoothed image, III.A),
 // linked into ordered contours, with sub-pixel positions. Two signals are in the image, and each is searched
 // for itself, because the automatic thresholds of one image for both lose the weaker parts of the silhouette
-// where the surface is curved, and junctions tear it:
-// - Silhouettes are edges of the occupied area, a step of known height. Their threshold is the half level of
-// the smoothed area, which
-//   is where the gradient of a smoothed step is greatest. They are complete and closed, always. Parts
-//   narrower than about 1.5 sigma vanish.
-// - Depth edges are edges of the depth inside the silhouettes, smoothed over the occupied pixels only, with
-// automatic thresholds as in
-//   Matlab's edge(): 64 bins of gradient magnitude, hysteresis along the linked edge. They keep 2 sigma clear
-//   of the silhouettes, and only places with a step in depth (beyond the slope of the surface on either side)
-//   count.
+// where the surface is curved, and junctions tear it.
+//
+// Silhouettes are edges of the occupied area, a step of known height. Their threshold is the half level of
+// the smoothed area, which is where the gradient of a smoothed step is greatest. They are complete and
+// closed, always. Parts narrower than about 1.5 sigma vanish.
+//
+// Depth edges are edges of the depth inside the silhouettes, smoothed over the occupied pixels only, with
+// automatic thresholds as in Matlab's edge(): 64 bins of gradient magnitude, hysteresis along the linked
+// edge. They keep 2 sigma clear of the silhouettes, and only places with a step in depth (beyond the slope of
+// the surface on either side) count. At junctions an edge goes straight on.
+//
 // Order: silhouettes, then depth edges, each from the top of the image.
 std::vector<Contour> findContours(const FaceImage& filled_image, const ContourOptions& options = {});
 
