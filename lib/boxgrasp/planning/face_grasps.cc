@@ -103,10 +103,20 @@ bool holdsByForce(const FaceWork& work, const Grasp& grasp, Tally& tally) {
   return holds;
 }
 
-bool isClear(const FaceWork& work, Grasp& grasp, Tally& tally) {
+// All points that a hand in any of the configurations could meet, sorted along the approach.
+ApproachColumns columnsOf(const FaceWork& work, const Face& face,
+                          const std::vector<HandConfiguration>& configurations, Tally& tally) {
+  const StageTimer timer(tally, StageId::clearance);
+  Eigen::AlignedBox3d origins_F;
+  for (const HandConfiguration& configuration : configurations)
+    origins_F.extend(configuration.X_FP.translation());
+  return {work.scene_grid_C, face.X_CF, reachableRegion(work.hand, origins_F, work.options.clearance)};
+}
+
+bool isClear(const FaceWork& work, const ApproachColumns& scene_F, Grasp& grasp, Tally& tally) {
   const StageTimer timer(tally, StageId::clearance);
   const Clearance clearance =
-      testClearance(work.hand, grasp.X_CP, grasp.joints, work.scene_grid_C, work.options.clearance);
+      testClearance(work.hand, grasp.configuration.X_FP, grasp.joints, scene_F, work.options.clearance);
   tally.count(StageId::clearance, 1, clearance.pregrasp.has_value());
   if (clearance.pregrasp) grasp.pregrasp = *clearance.pregrasp;
   if (clearance.collision) {
@@ -148,6 +158,22 @@ QualityMeasures measure(const FaceWork& work, const Grasp& grasp, const Vector2d
   return qualityMeasures(geometry, work.hand, work.options.depth_model);
 }
 
+std::vector<Grasp> clearGrasps(const FaceWork& work, const Face& face, const std::vector<Triplet>& triplets,
+                               const std::vector<HandConfiguration>& configurations, Tally& tally) {
+  if (configurations.empty()) return {};
+  const ApproachColumns scene_F = columnsOf(work, face, configurations, tally);
+  std::vector<Grasp> grasps;
+  for (const HandConfiguration& configuration : configurations) {
+    work.stop.check();
+    Grasp grasp = graspFrom(work, face, triplets[configuration.triplet], configuration);
+    if (touchesSurface(work, face, grasp, tally) && holdsByForce(work, grasp, tally) &&
+        isClear(work, scene_F, grasp, tally)) {
+      grasps.push_back(std::move(grasp));
+    }
+  }
+  return grasps;
+}
+
 }  // namespace
 
 std::vector<Grasp> graspsOnFace(const FaceWork& work, const Face& face, Tally& tally, FaceTrace* trace) {
@@ -155,24 +181,16 @@ std::vector<Grasp> graspsOnFace(const FaceWork& work, const Face& face, Tally& t
   const FaceImage image = imageOf(work, face, tally);
   const std::vector<Region> regions = regionsOf(work, image, tally, trace);
   const std::vector<Triplet> triplets = tripletsOf(work, image, regions, tally);
-  const Configurations reached = configurationsOf(work, triplets, tally);
+  const std::vector<HandConfiguration> configurations =
+      configurationsOf(work, triplets, tally).configurations;
+  std::vector<Grasp> grasps = clearGrasps(work, face, triplets, configurations, tally);
   const Vector2d centroid_F = shapeCentroid(image);
-
-  std::vector<Grasp> grasps;
-  for (const HandConfiguration& configuration : reached.configurations) {
-    work.stop.check();
-    Grasp grasp = graspFrom(work, face, triplets[configuration.triplet], configuration);
-    if (!touchesSurface(work, face, grasp, tally) || !holdsByForce(work, grasp, tally) ||
-        !isClear(work, grasp, tally))
-      continue;
-    grasp.quality = measure(work, grasp, centroid_F);
-    grasps.push_back(std::move(grasp));
-  }
+  for (Grasp& grasp : grasps) grasp.quality = measure(work, grasp, centroid_F);
   if (trace) {
     trace->image = image;
     trace->regions = regions;
     trace->triplets = triplets;
-    trace->configurations = reached.configurations.size();
+    trace->configurations = configurations.size();
     trace->clear = grasps.size();
   }
   return grasps;
