@@ -1,0 +1,124 @@
+#include "boxgrasp/wrench/grasp_wrench_space.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "boxgrasp/base/error.h"
+#include "boxgrasp/base/tolerances.h"
+#include "boxgrasp/wrench/hull.h"
+#include "boxgrasp/wrench/positive_span.h"
+
+namespace boxgrasp {
+namespace {
+
+constexpr std::size_t kMaxSumPoints = 200000;
+constexpr double kAlongX = 1.0 - 1e-9;  // a normal's |x| above which the x axis gives no tangent
+
+double frictionOf(const Contact& contact, const WrenchOptions& options) {
+  return contact.friction < 0.0 ? options.friction : contact.friction;
+}
+
+void requireContact(std::size_t index, const Contact& contact) {
+  const Vector3d &p = contact.p_C, &n = contact.normal_C;
+  if (!p.allFinite()) {
+    throw InputError(fmt::format("contact {}: its position is ({}, {}, {}), but must be finite", index, p.x(),
+                                 p.y(), p.z()));
+  }
+  if (!(std::abs(n.norm() - 1.0) <= tolerance::kUnitVector)) {
+    throw InputError(
+        fmt::format("contact {}: its normal ({}, {}, {}) has the length {}, but must be a unit vector: "
+                    "divide it by its length",
+                    index, n.x(), n.y(), n.z(), n.norm()));
+  }
+  if (std::isnan(contact.friction) || std::isinf(contact.friction)) {
+    throw InputError(
+        fmt::format("contact {}: its friction is {}, but must be finite, or negative for the "
+                    "options' coefficient",
+                    index, contact.friction));
+  }
+}
+
+std::vector<std::vector<Wrench>> edgesOf(const std::vector<Contact>& contacts, const WrenchOptions& options) {
+  options.validate();
+  std::vector<std::vector<Wrench>> result;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    requireContact(i, contacts[i]);
+    result.push_back(edgeWrenches(contacts[i], options));
+  }
+  return result;
+}
+
+std::vector<Wrench> unionOf(const std::vector<std::vector<Wrench>>& edges) {
+  std::vector<Wrench> result;
+  for (const auto& of_contact : edges) result.insert(result.end(), of_contact.begin(), of_contact.end());
+  return result;
+}
+
+void requireSumFits(const std::vector<std::vector<Wrench>>& edges) {
+  double points = 1.0;
+  for (const auto& of_contact : edges) points *= 1.0 + of_contact.size();
+  if (points > kMaxSumPoints) {
+    throw InputError(
+        fmt::format("the Minkowski sum of {} contacts has {:.0f} points, more than {}: take fewer "
+                    "contacts or cone edges, or the norm l1",
+                    edges.size(), points, kMaxSumPoints));
+  }
+}
+
+// Every contact gives one of its edges, or nothing.
+std::vector<Wrench> sumOf(const std::vector<std::vector<Wrench>>& edges) {
+  requireSumFits(edges);
+  std::vector<Wrench> result{Wrench::Zero()};
+  for (const auto& of_contact : edges) {
+    const std::size_t without = result.size();
+    for (const Wrench& edge : of_contact) {
+      for (std::size_t i = 0; i < without; ++i) result.push_back(result[i] + edge);
+    }
+  }
+  return result;
+}
+
+double largest(const std::vector<Wrench>& wrenches) {
+  double result = 0.0;
+  for (const Wrench& wrench : wrenches) result = std::max(result, wrench.norm());
+  return result;
+}
+
+}  // namespace
+
+void WrenchOptions::validate() const {
+  requireOption(friction >= 0.0 && std::isfinite(friction), "friction", friction, "finite and at least 0");
+  requireOption(cone_edges >= 3 && cone_edges <= 64, "cone_edges", cone_edges, "from 3 to 64");
+  requireOption(p_CG.allFinite(), "p_CG", fmt::format("({}, {}, {})", p_CG.x(), p_CG.y(), p_CG.z()),
+                "finite");
+  requireOption(torque_scale_m > 0.0 && std::isfinite(torque_scale_m), "torque_scale_m", torque_scale_m,
+                "finite and above 0");
+}
+
+std::vector<Wrench> edgeWrenches(const Contact& contact, const WrenchOptions& options) {
+  const Vector3d& n = contact.normal_C;
+  const Vector3d tx = n.cross(std::abs(n.x()) > kAlongX ? Vector3d::UnitZ() : Vector3d::UnitX()).normalized();
+  const Vector3d ty = n.cross(tx).normalized();
+  const double friction = frictionOf(contact, options);
+  std::vector<Wrench> result(friction > 0.0 ? options.cone_edges : 1);
+  for (std::size_t j = 0; j < result.size(); ++j) {
+    const double angle = 2.0 * std::numbers::pi * static_cast<double>(j) / options.cone_edges;
+    const Vector3d force = n + friction * (std::cos(angle) * tx + std::sin(angle) * ty);
+    result[j] << force, (contact.p_C - options.p_CG).cross(force) / options.torque_scale_m;
+  }
+  return result;
+}
+
+GraspQuality graspQuality(const std::vector<Contact>& contacts, const WrenchOptions& options) {
+  const auto edges = edgesOf(contacts, options);
+  const std::vector<Wrench> points = options.norm == WrenchNorm::l1 ? unionOf(edges) : sumOf(edges);
+  const WrenchHull hull = wrenchHull(points);
+  const bool closed = hull.inradius > tolerance::kWrenchMargin * largest(points);
+  return {closed ? hull.inradius : -1.0, hull.volume, closed};
+}
+
+bool forceClosure(const std::vector<Contact>& contacts, const WrenchOptions& options) {
+  return positivelySpan(unionOf(edgesOf(contacts, options)));
+}
+
+}  // namespace boxgrasp
