@@ -1,0 +1,119 @@
+#include "commands.h"
+
+#include <fmt/format.h>
+
+#include "boxgrasp/base/error.h"
+#include "boxgrasp/base/exit_code.h"
+#include "boxgrasp/messaging/plan_conversion.h"
+#include "boxgrasp/planning/default_model.h"
+#include "boxgrasp/planning/grasp_planner.h"
+#include "boxgrasp/planning/planner_config.h"
+#include "boxgrasp/rendering/picture.h"
+#include "plan_json.h"
+#include "plan_text.h"
+#include "remote.h"
+
+namespace boxgrasp {
+namespace {
+
+PlanRequest requestOf(const PlanCommand& command) {
+  LoadedCloud loaded = readCloud(command.file, command.read);
+  fmt::print(stderr, "boxgrasp: {}: {} points ({})\n", command.file.string(), loaded.cloud_C.size(),
+             loaded.format);
+  PlanRequest request;
+  request.cloud_C = std::move(loaded.cloud_C);
+  request.top_k = command.top;
+  request.friction = command.friction;
+  request.object = command.object;
+  if (command.gravity) request.gravity_C = Vector3d(command.gravity->data());
+  request.viewpoint_C = loaded.viewpoint_C;
+  return request;
+}
+
+GraspPlanner plannerOf(const PlanCommand& command) {
+  return {command.hand ? readHandDescription(*command.hand) : barrettHand(), modelOrDefault(command.model),
+          command.config ? readPlannerOptions(*command.config) : PlannerOptions{}};
+}
+
+StopToken deadlineOf(const PlanCommand& command) {
+  if (command.deadline_s <= 0) return {};
+  return StopToken(StopToken::Clock::now() + std::chrono::duration_cast<StopToken::Clock::duration>(
+                                                 std::chrono::duration<double>(command.deadline_s)));
+}
+
+// Plans here, and draws the plan where a picture is asked for.
+plan_response_t planHere(const PlanCommand& command, const PlanRequest& request) {
+  const GraspPlanner planner = plannerOf(command);
+  PlanTrace trace;
+  const PlanResult result = planner.plan(request, deadlineOf(command), command.picture ? &trace : nullptr);
+  if (command.picture && !result.objects.empty()) {
+    writePlanPicture(result, trace, planner.hand(), *command.picture,
+                     {.title = command.file.filename().string()});
+    fmt::print(stderr, "boxgrasp: picture written to {}\n", command.picture->string());
+  }
+  return toMessage(result, "", command.frame);
+}
+
+plan_response_t planThere(const PlanCommand& command, const PlanRequest& request) {
+  return Remote(command.lcm_url).plan({request, command.frame, command.deadline_s});
+}
+
+plan_response_t answerTo(const PlanCommand& command) {
+  const PlanRequest request = requestOf(command);
+  if (command.local) return planHere(command, request);
+  plan_response_t answer = planThere(command, request);
+  // The picture needs what the planner saw on its way, which does not go over the wire: the same plan, made
+  // again.
+  if (command.picture && planHere(command, request).model_version != answer.model_version)
+    fmt::print(stderr,
+               "boxgrasp: the server ranks with model {}; the picture shows this program's own ranking\n",
+               answer.model_version);
+  return answer;
+}
+
+int exitCodeOf(const plan_response_t& answer) {
+  switch (answer.outcome) {
+    case plan_response_t::GRASPS:
+      return kDone;
+    case plan_response_t::BAD_INPUT:
+      return kBadInput;
+    case plan_response_t::DEADLINE:
+      return kDeadlinePassed;
+    case plan_response_t::INTERNAL_ERROR:
+      return kInternalError;
+    default:
+      return kNothingFound;
+  }
+}
+
+// The answer goes to stdout as it was asked for; a plan that failed says why on stderr too.
+int conclude(const PlanCommand& command, const plan_response_t& answer, const std::string& text) {
+  fmt::print("{}", command.json ? jsonText(planJson(answer)) + "\n" : text);
+  if (answer.outcome != plan_response_t::GRASPS) fmt::print(stderr, "boxgrasp: {}\n", answer.message);
+  return exitCodeOf(answer);
+}
+
+}  // namespace
+
+int runPlan(const PlanCommand& command) {
+  const plan_response_t answer = answerTo(command);
+  return conclude(command, answer, answer.outcome == plan_response_t::GRASPS ? planText(answer) : "");
+}
+
+int runExplain(const PlanCommand& command) {
+  const plan_response_t answer = answerTo(command);
+  return conclude(command, answer, explanationText(answer));
+}
+
+int runShow(const PlanCommand& command) {
+  const plan_response_t answer = planHere(command, requestOf(command));
+  return conclude(command, answer, fmt::format("{}\n", answer.message));
+}
+
+int runStatus(const std::string& lcm_url, bool json) {
+  const status_t status = Remote(lcm_url).status();
+  fmt::print("{}", json ? jsonText(statusJson(status)) + "\n" : statusText(status));
+  return kDone;
+}
+
+}  // namespace boxgrasp

@@ -1,0 +1,36 @@
+// What the client does: one function for each of its commands.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "boxgrasp/cloud/read_cloud.h"
+
+namespace boxgrasp {
+
+struct PlanCommand {
+  std::filesystem::path file;  // cloud or mesh
+  ReadOptions read;
+  std::string frame = "cloud";
+  std::string lcm_url = "udpm://239.255.76.67:7667?ttl=0";
+  bool local = false;                                        // plan in this process
+  std::optional<std::filesystem::path> config, model, hand;  // of the plan in this process
+  std::optional<std::filesystem::path> picture;
+  bool json = false;
+  int top = 10;             // 0: all
+  double deadline_s = 0.0;  // 0: none
+  double friction = 0.4;
+  std::optional<std::array<double, 3>> gravity;
+  int object = -1;
+};
+
+// All return an exit code and print results to stdout, messages to stderr. They throw what reading, planning
+// and the server throw.
+int runPlan(const PlanCommand& command);     // the ranked grasps
+int runExplain(const PlanCommand& command);  // where candidates were lost
+int runShow(const PlanCommand& command);     // the picture alone
+int runStatus(const std::string& lcm_url, bool json);
+
+}  // namespace boxgrasp

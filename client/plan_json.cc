@@ -1,0 +1,113 @@
+#include "plan_json.h"
+
+#include <fmt/format.h>
+
+#include <span>
+
+#include "boxgrasp/messaging/plan_conversion.h"
+
+namespace boxgrasp {
+namespace {
+
+Json numbers(std::span<const double> values) {
+  return Json(std::vector<double>(values.begin(), values.end()));
+}
+
+Json jointsJson(const double (&joints)[4]) {
+  return {{"spread", joints[0]}, {"f1", joints[1]}, {"f2", joints[2]}, {"f3", joints[3]}};
+}
+
+Json contactJson(const contact_t& contact, int finger) {
+  return {{"position_m", numbers(contact.position_m)},
+          {"normal", numbers(contact.normal)},
+          {"finger", fmt::format("f{}", finger + 1)}};
+}
+
+Json graspJson(const grasp_t& grasp) {
+  Json contacts = Json::array();
+  for (int finger = 0; finger < 3; ++finger) contacts.push_back(contactJson(grasp.contacts[finger], finger));
+  return {{"score", grasp.score},
+          {"palm_pose",
+           {{"position_m", numbers(grasp.palm_position_m)},
+            {"quaternion_wxyz", numbers(grasp.palm_quaternion_wxyz)}}},
+          {"joints_rad", jointsJson(grasp.joints_rad)},
+          {"pregrasp_rad", jointsJson(grasp.pregrasp_rad)},
+          {"contacts", contacts},
+          {"approach", numbers(grasp.approach)},
+          {"quality", numbers(grasp.quality)},
+          {"object", grasp.object},
+          {"box", grasp.box},
+          {"face", grasp.face}};
+}
+
+Json boxJson(const box_t& box) {
+  return {{"center_m", numbers(box.center_m)},
+          {"quaternion_wxyz", numbers(box.quaternion_wxyz)},
+          {"extents_m", numbers(box.extents_m)},
+          {"points", box.points},
+          {"parent", box.parent},
+          {"leaf", box.leaf != 0},
+          {"theta", box.theta},
+          {"stop_reason", box.stop_reason},
+          {"object", box.object}};
+}
+
+Json reportJson(const plan_response_t& response) {
+  Json stages = Json::array(), rejected = Json::object();
+  for (const stage_t& stage : response.stages)
+    stages.push_back(
+        {{"name", stage.name}, {"in", stage.num_in}, {"out", stage.num_out}, {"time_s", stage.time_s}});
+  for (const rejection_t& rejection : response.rejected) rejected[rejection.reason] = rejection.count;
+  return {{"stages", stages},
+          {"rejected", rejected},
+          {"notes", response.notes},
+          {"seed", response.seed},
+          {"time_s", response.time_s}};
+}
+
+template <typename Item, typename Convert>
+Json list(const std::vector<Item>& items, Convert convert) {
+  Json json = Json::array();
+  for (const Item& item : items) json.push_back(convert(item));
+  return json;
+}
+
+}  // namespace
+
+Json planJson(const plan_response_t& response) {
+  return {{"outcome", outcomeName(response.outcome)},
+          {"message", response.message},
+          {"model_version", response.model_version},
+          {"frame", response.frame},
+          {"grasps", list(response.grasps, graspJson)},
+          {"boxes", list(response.boxes, boxJson)},
+          {"report", reportJson(response)}};
+}
+
+Json statusJson(const status_t& status) {
+  Json outcomes = Json::object();
+  for (std::int8_t outcome = 0; outcome < static_cast<int>(std::size(status.outcomes)); ++outcome)
+    outcomes[std::string(outcomeName(outcome))] = status.outcomes[outcome];
+  return {{"version", status.version},
+          {"model_version", status.model_version},
+          {"hand", status.hand},
+          {"uptime_s", status.uptime_s},
+          {"workers", status.workers},
+          {"running", status.running},
+          {"queue_length", status.queue_length},
+          {"queue_capacity", status.queue_capacity},
+          {"overloaded", status.overloaded != 0},
+          {"active", status.active},
+          {"outcomes", outcomes},
+          {"repeated", status.repeated},
+          {"superseded", status.superseded},
+          {"refused", status.refused},
+          {"latency_s",
+           {{"p50", status.latency_p50_s}, {"p90", status.latency_p90_s}, {"p99", status.latency_p99_s}}},
+          {"receive_buffer_bytes",
+           {{"asked", status.receive_buffer_asked}, {"granted", status.receive_buffer_granted}}}};
+}
+
+std::string jsonText(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace); }
+
+}  // namespace boxgrasp

@@ -1,0 +1,167 @@
+#include "daemon.h"
+
+#include <poll.h>
+#include <pthread.h>
+#include <spdlog/spdlog.h>
+#include <sys/eventfd.h>
+#include <sys/signalfd.h>
+#include <systemd/sd-daemon.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <optional>
+
+#include "boxgrasp/base/error.h"
+#include "boxgrasp/messaging/channels.h"
+#include "boxgrasp/messaging/lcm_bus.h"
+#include "boxgrasp/messaging/plan_conversion.h"
+#include "instance_lock.h"
+
+namespace boxgrasp {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// A file descriptor that closes itself.
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  ~Descriptor() { close(fd_); }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int get() const { return fd_; }
+
+ private:
+  int fd_;
+};
+
+// SIGTERM and SIGINT as a descriptor. Made before any thread, so that all threads leave them to it.
+int signalDescriptor() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGTERM);
+  sigaddset(&signals, SIGINT);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  return signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK);
+}
+
+// Text from the network for the log: no control characters, and not too much of it.
+std::string printable(std::string text) {
+  for (char& c : text) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+  }
+  constexpr std::size_t kMost = 200;
+  if (text.size() > kMost) text = text.substr(0, kMost) + "...";
+  return text;
+}
+
+class Daemon {
+ public:
+  Daemon(GraspPlanner planner, const ServerOptions& options)
+      : options_(options),
+        lock_(options.lcm_url),
+        bus_({options.lcm_url, static_cast<std::int64_t>(options.receive_buffer_bytes)},
+             [this](const std::string& channel, const std::string& problem) { refused(channel, problem); }),
+        service_(std::move(planner), options, [this] { eventfd_write(wake_.get(), 1); }) {
+    bus_.subscribe(channel::kPlanRequest, kMaxMessageBytes, [this](auto bytes) { service_.request(bytes); });
+    bus_.subscribe(channel::kCancel, kMaxTextBytes + 64,
+                   [this](auto bytes) { service_.cancel(decoded<cancel_t>(bytes).request_id); });
+    if (!options.cloud_channel.empty())
+      bus_.subscribe(options.cloud_channel, kMaxMessageBytes,
+                     [this](auto bytes) { service_.cloud(options_.cloud_channel, bytes); });
+  }
+
+  void run() {
+    sayReady();
+    while (!stop_by_ || !service_.finished()) {
+      waitForSomething();
+      bus_.dispatch();
+      readSignals();
+      publishAnswers();
+      beat();
+    }
+    spdlog::info("stopped");
+  }
+
+ private:
+  void sayReady() const {
+    const ReceiveBuffer& buffer = bus_.receiveBuffer();
+    spdlog::info("answering on {} with {} workers", options_.lcm_url, options_.workers);
+    if (buffer.granted < buffer.asked)
+      spdlog::warn(
+          "the receive buffer is {} bytes, not {}: clouds of more than {} points can get lost; to raise it: "
+          "sysctl -w net.core.rmem_max={}, then start again",
+          buffer.granted, buffer.asked, buffer.granted / 12, buffer.asked);
+    sd_notify(0, "READY=1");
+  }
+
+  void waitForSomething() {
+    constexpr int kTick_ms = 100;  // deadlines of waiting requests are looked at this often
+    pollfd ready[] = {{bus_.fileno(), POLLIN, 0}, {wake_.get(), POLLIN, 0}, {signals_.get(), POLLIN, 0}};
+    poll(ready, std::size(ready), kTick_ms);
+    eventfd_t count;
+    eventfd_read(wake_.get(), &count);
+  }
+
+  void readSignals() {
+    signalfd_siginfo signal;
+    while (read(signals_.get(), &signal, sizeof signal) == sizeof signal) {
+      if (stop_by_)
+        service_.cancelAll();
+      else
+        beginToStop();
+    }
+    if (stop_by_ && Clock::now() > *stop_by_) service_.cancelAll();
+  }
+
+  void beginToStop() {
+    spdlog::info("stopping: what runs is finished, within {} s", options_.stop_s);
+    sd_notify(0, "STOPPING=1");
+    service_.close();
+    stop_by_ = Clock::now() +
+               std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options_.stop_s));
+  }
+
+  void publishAnswers() {
+    for (const EncodedAnswer& answer : service_.takeAnswers()) {
+      bus_.publish(channel::kPlanResponse, LcmBus::Bytes(*answer));
+      const auto response = decoded<plan_response_t>(*answer);
+      spdlog::info("{}: {} ({:.2f} s): {}", printable(response.request_id), outcomeName(response.outcome),
+                   response.time_s, printable(response.message));
+    }
+  }
+
+  // Once a second: the status, and the sign of life for systemd, unless a worker hangs.
+  void beat() {
+    if (Clock::now() < next_beat_) return;
+    next_beat_ = Clock::now() + std::chrono::seconds(1);
+    status_t status = service_.status();
+    status.version = BOXGRASP_VERSION;
+    status.refused = refused_;
+    status.receive_buffer_asked = bus_.receiveBuffer().asked;
+    status.receive_buffer_granted = bus_.receiveBuffer().granted;
+    bus_.publish(channel::kStatus, status);
+    if (!service_.stuck()) sd_notify(0, "WATCHDOG=1");
+  }
+
+  void refused(const std::string& channel, const std::string& problem) {
+    ++refused_;
+    spdlog::warn("message on {} refused: {}", channel, printable(problem));
+  }
+
+  const ServerOptions options_;
+  const Descriptor signals_{signalDescriptor()};
+  const Descriptor wake_{eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)};
+  const InstanceLock lock_;
+  LcmBus bus_;
+  PlanService service_;
+  std::int64_t refused_ = 0;
+  std::optional<Clock::time_point> stop_by_;
+  Clock::time_point next_beat_;
+};
+
+}  // namespace
+
+void serve(GraspPlanner planner, const ServerOptions& options) { Daemon(std::move(planner), options).run(); }
+
+}  // namespace boxgrasp

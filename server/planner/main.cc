@@ -1,0 +1,79 @@
+// boxgrasp-server: plans grasps for point clouds that arrive over LCM.
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+
+#include "boxgrasp/base/error.h"
+#include "boxgrasp/base/exit_code.h"
+#include "boxgrasp/messaging/lcm_bus.h"
+#include "boxgrasp/planning/default_model.h"
+#include "boxgrasp/planning/planner_config.h"
+#include "daemon.h"
+
+namespace {
+
+using namespace boxgrasp;
+
+struct CommandLine {
+  std::optional<std::filesystem::path> config, model, hand;
+  std::optional<std::string> lcm_url;
+  std::optional<int> workers, queue;
+};
+
+void addOptions(CLI::App& app, CommandLine& line) {
+  app.add_option("--lcm-url", line.lcm_url,
+                 "LCM's address, as udpm://239.255.76.67:7667?ttl=0 or tcpq://HOST:PORT");
+  app.add_option("--config", line.config, "configuration (TOML); deploy/boxgrasp.toml explains every key");
+  app.add_option("--model", line.model, "model that ranks the grasps; the built-in one if none is given");
+  app.add_option("--hand", line.hand, "hand description (TOML); the Barrett hand if none is given");
+  app.add_option("--workers", line.workers, "plans that run at the same time");
+  app.add_option("--queue", line.queue, "requests that wait; one more is answered 'overloaded'");
+}
+
+void run(const CommandLine& line) {
+  PlannerOptions planner_options;
+  ServerOptions options;
+  if (line.config) {
+    ConfigFile file(*line.config);
+    planner_options = readPlannerOptions(file);
+    options = readServerOptions(file);
+    file.finish();
+    for (const std::string& key : file.changed()) spdlog::info("{} sets {}", line.config->string(), key);
+  }
+  options.lcm_url = line.lcm_url.value_or(options.lcm_url);
+  options.workers = line.workers.value_or(options.workers);
+  options.queue = line.queue.value_or(options.queue);
+  options.validate();
+  GraspPlanner planner(line.hand ? readHandDescription(*line.hand) : barrettHand(),
+                       modelOrDefault(line.model), planner_options);
+  spdlog::info("boxgrasp-server " BOXGRASP_VERSION ", model {} ({}), hand {}", planner.model().version,
+               planner.model().name, planner.hand().name);
+  serve(std::move(planner), options);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  spdlog::set_default_logger(spdlog::stderr_color_mt("boxgrasp-server"));
+  CLI::App app{"Plans grasps for a Barrett hand from point clouds that arrive over LCM."};
+  app.set_version_flag("--version", BOXGRASP_VERSION);
+  CommandLine line;
+  addOptions(app, line);
+  try {
+    app.parse(argc, argv);
+    run(line);
+    return kDone;
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kDone : kUsage;
+  } catch (const InputError& error) {
+    spdlog::error("{}", error.what());
+    return kBadInput;
+  } catch (const TransportError& error) {
+    spdlog::error("{}", error.what());
+    return kNotReachable;
+  } catch (const std::exception& error) {
+    spdlog::error("internal error: {}", error.what());
+    return kInternalError;
+  }
+}
