@@ -15,7 +15,8 @@ class InputError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// Checks one field of an options struct; throws InputError with the field's name, its value and the bound it breaks.
+// Checks one field of an options struct; throws InputError with the field's name, its value and the bound it
+// breaks.
 template <typename T>
 void requireOption(bool holds, std::string_view field, const T& value, std::string_view bound) {
   if (!holds) throw InputError(fmt::format("option '{}' is {}, but must be {}", field, value, bound));
