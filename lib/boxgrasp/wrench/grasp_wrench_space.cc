@@ -11,8 +11,8 @@
 namespace boxgrasp {
 namespace {
 
-constexpr std::size_t kMaxSumPoints = 200000;
-constexpr double kAlongX = 1.0 - 1e-9;  // a normal's |x| above which the x axis gives no tangent
+constexpr std::size_t kMaxSumPoints = 10000;  // four contacts of eight edges; a hull of some seconds
+constexpr double kAlongX = 1.0 - 1e-9;        // a normal's |x| above which the x axis gives no tangent
 
 double frictionOf(const Contact& contact, const WrenchOptions& options) {
   return contact.friction < 0.0 ? options.friction : contact.friction;

@@ -16,6 +16,15 @@
 namespace boxgrasp {
 namespace {
 
+// What qhull does about more than six points near one facet's plane. It either merges the facets, and gives
+// up when a merged one is no longer flat; or it moves every point a little, at random but always alike, and
+// farther where that does not help. Moving the points by r moves the inradius by at most r. Merging pays off
+// with many points.
+enum class Precision { merge, joggle };
+
+constexpr std::size_t kFewPoints = 50;
+constexpr double kMaxJoggle = 1e-9;  // of the largest coordinate
+
 std::vector<Wrench> distinct(std::vector<Wrench> points) {
   std::sort(points.begin(), points.end(), [](const Wrench& a, const Wrench& b) {
     return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
@@ -66,11 +75,13 @@ class Qhull {
   Qhull(const Qhull&) = delete;
   Qhull& operator=(const Qhull&) = delete;
 
-  // Keeps a reference to the points.
-  int run(std::vector<Wrench>& points) {
-    char command[] = "qhull QJ FA Pp";
-    return qh_new_qhull(&state_, 6, static_cast<int>(points.size()), points.front().data(), false, command,
-                        nullptr, log_.stream());
+  // Keeps a reference to the points. Did it end within rounding of their hull?
+  bool run(std::vector<Wrench>& points, Precision precision) {
+    char merge[] = "qhull Qx FA Pp", joggle[] = "qhull QJ FA Pp";
+    const bool merges = precision == Precision::merge;
+    const int code = qh_new_qhull(&state_, 6, static_cast<int>(points.size()), points.front().data(), false,
+                                  merges ? merge : joggle, nullptr, log_.stream());
+    return code == qh_ERRnone && (merges || state_.JOGGLEmax <= kMaxJoggle * state_.MAXabs_coord);
   }
 
   double inradius() const {
@@ -93,11 +104,15 @@ class Qhull {
 WrenchHull wrenchHull(std::vector<Wrench> points) {
   points = distinct(std::move(points));
   if (!spansSpace(points)) return {};
-  Qhull hull;
-  const int code = hull.run(points);
-  if (code == qh_ERRsingular) return {};
-  if (code != qh_ERRnone) throw std::runtime_error("qhull failed on a grasp wrench space: " + hull.log());
-  return {hull.inradius(), hull.volume()};
+  const bool few = points.size() <= kFewPoints;
+  std::string log;
+  for (const Precision precision :
+       {few ? Precision::joggle : Precision::merge, few ? Precision::merge : Precision::joggle}) {
+    Qhull hull;
+    if (hull.run(points, precision)) return {hull.inradius(), hull.volume()};
+    log += hull.log();
+  }
+  throw std::runtime_error("qhull cannot tell the facets of a grasp wrench space: " + log);
 }
 
 }  // namespace boxgrasp
