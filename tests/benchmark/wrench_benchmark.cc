@@ -1,5 +1,6 @@
-// The grasp wrench space of three contacts with eight cone edges each, the size of one grasp of the Barrett
-// hand. "closed" is the share of the sets that are in force closure: both programs must report the same.
+// The grasp wrench space of three contacts with eight cone edges each, the size of one grasp of the Barrett hand.
+// "closed" is the share of the sets that are in force closure: both must report the same, but for an incomplete last
+// round through the sets.
 #include <benchmark/benchmark.h>
 
 #include "boxgrasp/wrench/grasp_wrench_space.h"
