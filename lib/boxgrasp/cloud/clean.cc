@@ -133,7 +133,8 @@ CleanCloud clean(const PointCloud& cloud_C, const CleanOptions& options, const S
     even(cloud_C, voxels, result);
     spacing_m = result.voxel_m;
   } else {
-    dropDuplicates(cloud_C, sortIntoVoxels(cloud_K, spacing_m), result);
+    const double edge_m = std::max(bounds(cloud_K).sizes().norm() / 1024.0, tolerance::kCoincident);
+    dropDuplicates(cloud_C, sortIntoVoxels(cloud_K, edge_m), result);
   }
   judgeByNeighbours(options, spacing_m, result, stop);
   return result;

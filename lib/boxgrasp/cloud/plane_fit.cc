@@ -4,6 +4,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "boxgrasp/base/random.h"
+
 namespace boxgrasp {
 namespace {
 
@@ -13,11 +15,6 @@ std::vector<std::uint32_t> thinned(const std::vector<std::uint32_t>& indices, st
   std::vector<std::uint32_t> some;
   for (std::size_t i = 0; i < indices.size(); i += step) some.push_back(indices[i]);
   return some;
-}
-
-// A number in [0, n), the same on every platform.
-std::uint32_t pick(std::size_t n, std::mt19937_64& random) {
-  return static_cast<std::uint32_t>(((random() >> 32) * n) >> 32);
 }
 
 // The plane through three points; its normal is zero when they lie on a line.
@@ -43,7 +40,7 @@ Plane bestOfSamples(const PointCloud& cloud, double distance_m, std::mt19937_64&
   std::size_t most = 0;
   for (int trial = 0; trial < kTrials; ++trial) {
     if (trial % 64 == 0) stop.check();
-    const auto draw = [&] { return cloud.point(pick(cloud.size(), random)); };
+    const auto draw = [&] { return cloud.point(uniformIndex(random, cloud.size())); };
     const Vector3d a = draw(), b = draw(), c = draw();
     const Plane plane = planeThrough(a, b, c);
     if (plane.normal_C.isZero()) continue;

@@ -161,7 +161,6 @@ void ElementReader::checkCount(const Element& element) const {
 
 void ElementReader::readList(const Property& property) {
   const std::size_t count = numbers_.nextCount(property.count_type);
-  cursor_.requireRoomFor(count == 0 ? 0 : count - 1, 1, "items of a list");
   list_.clear();
   for (std::size_t i = 0; i < count; ++i) list_.push_back(numbers_.next(property.type));
 }

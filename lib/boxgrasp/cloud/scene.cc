@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <numeric>
 
 #include "boxgrasp/base/error.h"
@@ -114,7 +116,8 @@ Indices allIndices(std::size_t n) {
   return all;
 }
 
-// Clusters of the points' voxels, so that the time depends on the surface and not on the density.
+// Clusters of the points, the largest first. They are found among voxels, so that the time depends on the
+// surface and not on the density.
 std::vector<Indices> Taker::clustersOf(const Indices& points) const {
   if (points.empty()) return {};
   const PointCloud some = select(cloud_C_, points);
@@ -127,6 +130,7 @@ std::vector<Indices> Taker::clustersOf(const Indices& points) const {
     }
     std::sort(cluster.begin(), cluster.end());
   }
+  std::ranges::stable_sort(clusters, std::ranges::greater{}, &Indices::size);
   return clusters;
 }
 
