@@ -27,6 +27,9 @@ void addTrain(CLI::App& app, TrainCommand& command) {
   app.add_option("--out", command.out, "the model file to write")->required();
   app.add_option("--hidden", command.hidden, "nodes of each hidden layer")->capture_default_str();
   app.add_option("--objects", command.objects, "parametric objects to train on; all if none is given");
+  app.add_option("--features", command.features,
+                 "'relative': measures without their units; 'raw': as in the paper")
+      ->capture_default_str();
   app.add_option("--points", command.points, "points sampled on each object")->capture_default_str();
   app.add_option("--repeats", command.repeats, "repeats of the leave-one-object-out validation")
       ->capture_default_str();

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "boxgrasp/base/error.h"
+#include "boxgrasp/planning/features.h"
 #include "boxgrasp/training/analytic_labels.h"
 #include "boxgrasp/training/cross_validation.h"
 #include "progress_bar.h"
@@ -14,14 +15,33 @@
 namespace boxgrasp {
 namespace {
 
-// All objects' rows, one under the other; objects without two hypotheses cannot be ranked and are left out.
-GroupedSamples stacked(const std::vector<LabelledObject>& labels) {
+constexpr Eigen::Index kLeastHypotheses = 10;  // of a model: with fewer, a tenth is not one grasp
+
+std::vector<std::string> featuresOf(const TrainCommand& command) {
+  if (command.features == "relative") return relativeFeatures();
+  if (command.features == "raw") return rawFeatures();
+  throw InputError(fmt::format("--features is '{}', but must be 'relative' or 'raw'", command.features));
+}
+
+MatrixXd inputsOf(const LabelledObject& object, const std::vector<std::string>& features) {
+  MatrixXd inputs(object.measures.rows(), static_cast<Eigen::Index>(features.size()));
+  for (Eigen::Index row = 0; row < inputs.rows(); ++row) {
+    QualityMeasures quality;
+    Eigen::Map<Eigen::RowVectorXd>(quality.data(), 9) = object.measures.row(row);
+    inputs.row(row) = networkInputs(features, quality, object.size_m).transpose();
+  }
+  return inputs;
+}
+
+// All objects' rows, one under the other.
+GroupedSamples stacked(const std::vector<LabelledObject>& labels, const TrainCommand& command) {
+  const std::vector<std::string> features = featuresOf(command);
   Eigen::Index rows = 0;
   for (const LabelledObject& object : labels) rows += object.success.size();
-  GroupedSamples data{{MatrixXd(rows, 9), VectorXd(rows)}, {}};
+  GroupedSamples data{{MatrixXd(rows, static_cast<Eigen::Index>(features.size())), VectorXd(rows)}, {}};
   Eigen::Index row = 0;
   for (const LabelledObject& object : labels) {
-    data.samples.inputs.middleRows(row, object.success.size()) = object.measures;
+    data.samples.inputs.middleRows(row, object.success.size()) = inputsOf(object, features);
     data.samples.targets.segment(row, object.success.size()) = object.success;
     data.objects.insert(data.objects.end(), object.success.size(), object.name);
     row += object.success.size();
@@ -60,23 +80,36 @@ std::string utcNow() {
   return text;
 }
 
-// Success of ranking by one measure alone, in its better direction: what the network has to beat.
-double bestSingleMeasure(const std::vector<LabelledObject>& labels, int& best) {
-  double best_fraction = -1.0;
-  for (int q = 0; q < 9; ++q) {
-    double rising = 0.0, falling = 0.0;
-    int counted = 0;
-    for (const LabelledObject& object : labels) {
-      if (object.success.size() < 10) continue;
-      const double up = rankingSuccess(object.measures.col(q), object.success).fraction;
-      const double down = rankingSuccess(-object.measures.col(q), object.success).fraction;
-      if (std::isnan(up) || std::isnan(down)) continue;
-      rising += up, falling += down, ++counted;
-    }
-    const double fraction = counted ? std::max(rising, falling) / counted : 0.0;
-    if (fraction > best_fraction) best_fraction = fraction, best = q + 1;
+// A ranking by one feature alone, in its better direction: what the network has to beat.
+struct SingleFeature {
+  Eigen::Index feature = -1;
+  double fraction = 0.0;  // of the span, mean over the objects
+};
+
+double meanFraction(const GroupedSamples& data, const VectorXd& scores) {
+  double sum = 0.0;
+  int counted = 0;
+  for (std::size_t begin = 0, end = 0; begin < data.objects.size(); begin = end) {
+    while (end < data.objects.size() && data.objects[end] == data.objects[begin]) ++end;
+    const auto first = static_cast<Eigen::Index>(begin), n = static_cast<Eigen::Index>(end - begin);
+    const double fraction =
+        rankingSuccess(scores.segment(first, n), data.samples.targets.segment(first, n)).fraction;
+    if (std::isnan(fraction)) continue;
+    sum += fraction;
+    ++counted;
   }
-  return best_fraction;
+  return counted ? sum / counted : 0.0;
+}
+
+SingleFeature bestSingleFeature(const GroupedSamples& data) {
+  SingleFeature best;
+  for (Eigen::Index i = 0; i < data.samples.inputs.cols(); ++i) {
+    for (const double direction : {1.0, -1.0}) {
+      const double fraction = meanFraction(data, direction * data.samples.inputs.col(i));
+      if (fraction > best.fraction) best = {i, fraction};
+    }
+  }
+  return best;
 }
 
 void printCounts(const std::vector<LabelledObject>& labels) {
@@ -104,7 +137,7 @@ void printValidation(const CrossValidation& validation) {
 }
 
 Model modelOf(const TrainCommand& command, const std::string& command_line, const GroupedSamples& data,
-              const std::vector<LabelledObject>& labels, const CrossValidation& validation) {
+              const CrossValidation& validation) {
   Model model;
   model.name = "analytic-s";
   model.trained_on = fmt::format(
@@ -116,15 +149,13 @@ Model modelOf(const TrainCommand& command, const std::string& command_line, cons
   model.data_hash = dataHash(data);
   model.seed = command.seed;
   model.created = utcNow();
-  for (int q = 1; q <= 9; ++q) model.features.push_back(fmt::format("q{}", q));
-  int best = 0;
-  const double single = bestSingleMeasure(labels, best);
+  model.features = featuresOf(command);
+  const SingleFeature single = bestSingleFeature(data);
   model.metrics = {{"s_net", validation.s_net},
                    {"s_net_fraction", validation.s_net_fraction},
-                   {"best_single_measure", best},
-                   {"best_single_measure_fraction", single},
-                   {"samples", static_cast<double>(data.samples.targets.size())},
-                   {"random_ranking_fraction", 0.5}};
+                   {"best_single_measure", static_cast<double>(single.feature + 1)},
+                   {"best_single_measure_fraction", single.fraction},
+                   {"samples", static_cast<double>(data.samples.targets.size())}};
   return model;
 }
 
@@ -148,8 +179,9 @@ void runTrain(const TrainCommand& command, const std::string& command_line) {
     labels = analyticLabels(hand, {}, label_options,
                             [&](std::size_t done, std::size_t total) { bar.update(done, total); });
   }
-  std::erase_if(labels, [](const LabelledObject& object) { return object.success.size() < 2; });
-  const GroupedSamples data = stacked(labels);
+  std::erase_if(labels,
+                [](const LabelledObject& object) { return object.success.size() < kLeastHypotheses; });
+  const GroupedSamples data = stacked(labels, command);
   if (!command.json) printCounts(labels);
 
   CrossValidationOptions validation_options;
@@ -165,7 +197,7 @@ void runTrain(const TrainCommand& command, const std::string& command_line) {
   training.seed = command.seed;
   const auto [kept, held] =
       heldOut(data, validation.objects[command.seed % validation.objects.size()].object);
-  Model model = modelOf(command, command_line, data, labels, validation);
+  Model model = modelOf(command, command_line, data, validation);
   model.network = train(kept, held, training).network;
   model = writeModel(model, command.out);
   if (command.json) {

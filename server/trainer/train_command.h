@@ -19,6 +19,7 @@ struct TrainCommand {
   std::uint64_t seed = 1;
   int threads = 0;
   std::optional<std::filesystem::path> hand;  // description file; none: the built-in hand
+  std::string features = "relative";          // or "raw", as in the paper
   bool json = false;                          // print the metrics as JSON
 };
 

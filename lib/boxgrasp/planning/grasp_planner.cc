@@ -7,20 +7,23 @@
 
 #include "boxgrasp/base/error.h"
 #include "boxgrasp/planning/distinct.h"
+#include "boxgrasp/planning/features.h"
 #include "boxgrasp/planning/hypotheses.h"
 #include "boxgrasp/planning/tally.h"
 
 namespace boxgrasp {
 namespace {
 
-void rank(const Network& network, std::vector<Grasp>& grasps, Tally& tally) {
+void rank(const Model& model, PlanResult& result, Tally& tally) {
   const StageTimer timer(tally, StageId::ranking);
-  if (grasps.empty()) return;
-  for (Grasp& grasp : grasps)
-    grasp.score = score(network, Eigen::Map<const VectorXd>(grasp.quality.data(), 9));
-  std::stable_sort(grasps.begin(), grasps.end(),
+  if (result.grasps.empty()) return;
+  for (Grasp& grasp : result.grasps) {
+    const double size_m = objectSize(result.objects[grasp.object]);
+    grasp.score = score(model.network, networkInputs(model.features, grasp.quality, size_m));
+  }
+  std::stable_sort(result.grasps.begin(), result.grasps.end(),
                    [](const Grasp& a, const Grasp& b) { return a.score > b.score; });
-  tally.count(StageId::ranking, grasps.size(), grasps.size());
+  tally.count(StageId::ranking, result.grasps.size(), result.grasps.size());
 }
 
 void keepDistinct(const PlannerOptions& options, int top_k, const StopToken& stop, std::vector<Grasp>& grasps,
@@ -100,8 +103,10 @@ GraspPlanner::GraspPlanner(HandDescription hand, Model model, PlannerOptions opt
     : hand_(std::move(hand)), model_(std::move(model)), options_(std::move(options)) {
   options_.validate();
   model_.network.validate();
-  requireOption(model_.network.inputs() == 9, "the model's number of inputs", model_.network.inputs(),
-                "9, one for each quality measure");
+  const auto features = static_cast<int>(model_.features.size());
+  requireOption(model_.network.inputs() == features, "the model's number of inputs", model_.network.inputs(),
+                "that of its features");
+  networkInputs(model_.features, QualityMeasures{}, 1.0);
 }
 
 PlanResult GraspPlanner::plan(const PlanRequest& request, const StopToken& stop, PlanTrace* trace) const {
@@ -114,7 +119,7 @@ PlanResult GraspPlanner::plan(const PlanRequest& request, const StopToken& stop,
     stop.check();
     requireOption(request.top_k >= 0, "top_k", request.top_k, "at least 0");
     findHypotheses(hand_, options_, request, stop, trace, result, tally);
-    rank(model_.network, result.grasps, tally);
+    rank(model_, result, tally);
     keepDistinct(options_, request.top_k, stop, result.grasps, tally);
     conclude(result, tally);
   } catch (const Stopped& stopped) {

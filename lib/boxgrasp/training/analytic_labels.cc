@@ -6,6 +6,7 @@
 #include "boxgrasp/base/parallel.h"
 #include "boxgrasp/objects/mesh_properties.h"
 #include "boxgrasp/objects/parametric.h"
+#include "boxgrasp/planning/features.h"
 #include "boxgrasp/planning/hypotheses.h"
 #include "boxgrasp/wrench/grasp_wrench_space.h"
 
@@ -50,6 +51,7 @@ LabelledObject labelled(const HandDescription& hand, const PlannerOptions& plann
 
   LabelledObject labels{name,
                         scale,
+                        objectSize(result.objects.front()),
                         MatrixXd(result.grasps.size(), 9),
                         VectorXd(result.grasps.size()),
                         VectorXd(result.grasps.size()),

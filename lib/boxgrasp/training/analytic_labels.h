@@ -25,7 +25,8 @@ struct AnalyticLabelOptions {
 struct LabelledObject {
   std::string name;
   double scale = 0.0;
-  MatrixXd measures;  // hypotheses x 9
+  double size_m = 0.0;  // L of the features
+  MatrixXd measures;    // hypotheses x 9
   VectorXd epsilon,
       nu;            // of the planned contacts, about the volume's centre, torques over the largest radius
   VectorXd success;  // s: (nu / nu_max)^2 + (epsilon / epsilon_max)^2 over this object and size (Eq. 6)
