@@ -64,6 +64,13 @@ ReceiveBuffer askForBuffer(int socket, std::int64_t bytes) {
   return {bytes, grantedBytes(socket)};
 }
 
+// LCM warns about small buffers by what it saw when it opened its socket: it is told to ask for as much as
+// every kernel grants, and askForBuffer() raises that.
+std::string withReceiveBuffer(const std::string& url) {
+  if (url.find("recv_buf_size") != std::string::npos) return url;
+  return url + (url.find('?') == std::string::npos ? "?" : "&") + "recv_buf_size=262144";
+}
+
 [[noreturn]] void failToOpen(const std::string& url, const std::optional<MulticastAddress>& multicast) {
   std::string obstacle = multicast ? multicastObstacle(*multicast) : "";
   if (obstacle.empty() && url.starts_with("tcpq"))
@@ -92,7 +99,8 @@ struct LcmBus::Impl {
 
 LcmBus::LcmBus(const LcmBusOptions& options, ProblemHandler on_problem) {
   const auto multicast = multicastAddress(options.url);
-  impl_ = std::make_unique<Impl>(options.url, std::move(on_problem));
+  impl_ =
+      std::make_unique<Impl>(multicast ? withReceiveBuffer(options.url) : options.url, std::move(on_problem));
   // LCM opens its sockets with the first subscription or question for the descriptor.
   if (!impl_->lcm.good() || impl_->lcm.getFileno() < 0) failToOpen(options.url, multicast);
   const auto socket = multicast ? boundTo(multicast->port) : std::nullopt;
