@@ -1,7 +1,7 @@
 // A hand-made model for tests that need a ranking, but not a good one.
 #pragma once
 
-#include <string>
+#include <fmt/format.h>
 
 #include "boxgrasp/ranking/model_file.h"
 
@@ -13,7 +13,7 @@ inline Model linearModel() {
   Model model;
   model.name = "test";
   model.version = "00000000";
-  for (int q = 1; q <= 9; ++q) model.features.push_back("q" + std::to_string(q));
+  for (int q = 1; q <= 9; ++q) model.features.push_back(fmt::format("q{}", q));
   Network& network = model.network;
   network.input.min = VectorXd::Zero(9);
   network.input.max = (VectorXd(9) << 5e-3, 1.0, 1.0, 0.1, 1.5, 0.1, 0.05, 1e-3, 0.1).finished();
