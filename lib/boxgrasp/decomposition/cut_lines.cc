@@ -73,18 +73,25 @@ std::vector<std::vector<Vector2d>> longSegments(const Polygon& hull, const Decom
   return segments;
 }
 
-std::vector<Line> cutLines(const Polygon& hull, const DecompositionOptions& options) {
+std::vector<CutFan> cutFans(const Polygon& hull, const DecompositionOptions& options) {
   std::vector<std::vector<Vector2d>> samples;
   for (const auto& segment : longSegments(hull, options))
     samples.push_back(samplesOn(segment, options.samples_per_segment));
-  std::vector<Line> lines;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    for (std::size_t j = i + 1; j < samples.size(); ++j) {
-      for (const Vector2d& a : samples[i]) {
-        for (const Vector2d& b : samples[j]) lines.push_back(lineThrough(a, b));
+  std::vector<CutFan> fans;
+  for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
+    for (const Vector2d& apex : samples[i]) {
+      fans.push_back({apex, {}});
+      for (std::size_t j = i + 1; j < samples.size(); ++j) {
+        for (const Vector2d& b : samples[j]) fans.back().lines.push_back(lineThrough(apex, b));
       }
     }
   }
+  return fans;
+}
+
+std::vector<Line> cutLines(const std::vector<CutFan>& fans) {
+  std::vector<Line> lines;
+  for (const CutFan& fan : fans) lines.insert(lines.end(), fan.lines.begin(), fan.lines.end());
   return lines;
 }
 

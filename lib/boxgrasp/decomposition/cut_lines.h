@@ -13,8 +13,15 @@ namespace boxgrasp {
 // the polyline of its vertices.
 std::vector<std::vector<Vector2d>> longSegments(const Polygon& hull, const DecompositionOptions& options);
 
+// The lines from one sample point, the apex, to those of all later segments.
+struct CutFan {
+  Vector2d apex;
+  std::vector<Line> lines;
+};
+
 // Every line through a sample point of one long segment and one of another, in a fixed order. Sample points
 // lie on the hull, evenly spaced.
-std::vector<Line> cutLines(const Polygon& hull, const DecompositionOptions& options);
+std::vector<CutFan> cutFans(const Polygon& hull, const DecompositionOptions& options);
+std::vector<Line> cutLines(const std::vector<CutFan>& fans);
 
 }  // namespace boxgrasp

@@ -29,7 +29,7 @@ struct DecompositionOptions {
                                   // breaks long segments into short ones
   double min_point_fraction = 0.02;  // a side of a cut with fewer points than this share of the box's is
                                      // refused: such cuts split off outliers and rank first otherwise
-  int min_points = 50;  // boxes with fewer points are not split: too few to carry a face image
+  int min_points = 50;               // boxes with fewer points are not split: too few to carry a face image
   double min_extent_m =
       0.010;  // boxes whose second extent is below this are not split: thinner than a finger
   double bound_step_m = 0.001;  // distance between the cuts that the bound rule tries: one pixel of Alg. II.2

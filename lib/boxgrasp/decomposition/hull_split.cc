@@ -8,15 +8,14 @@
 #include <tuple>
 
 #include "boxgrasp/base/parallel.h"
+#include "boxgrasp/decomposition/angular_sweep.h"
 #include "boxgrasp/decomposition/cut_lines.h"
 #include "boxgrasp/decomposition/splits.h"
 
 namespace boxgrasp {
 namespace {
 
-constexpr int kBlocks =
-    10;  // the first subset has the extreme points of this many blocks along each side of a face
-constexpr double kBoundSlack = 1.0 + 1e-12;  // a bound may exceed the exact value by this rounding error
+constexpr double kBoundSlack = 1e-11;  // a bound may exceed Theta by this rounding error
 
 struct Sides {
   std::vector<Vector2d> first, second;
@@ -31,22 +30,22 @@ Sides sidesOf(const FaceProjection& face, const Line& line) {
   return sides;
 }
 
-// The points of a face sorted into the cells of a grid, so that a line meets few of them.
+// The points of a face sorted into the cells of a grid, so that a line or a hull's edge meets few of them.
 class CellGrid {
  public:
-  explicit CellGrid(const FaceProjection& face) : face_(face) {
+  explicit CellGrid(const FaceProjection& face) {
     const auto [x_low, x_high] = std::minmax_element(face.x.begin(), face.x.end());
     const auto [y_low, y_high] = std::minmax_element(face.y.begin(), face.y.end());
     origin_ = {*x_low, *y_low};
     cell_ = {std::max(*x_high - *x_low, kLeastSide) / kCells,
              std::max(*y_high - *y_low, kLeastSide) / kCells};
-    sortIn();
+    sortIn(face);
   }
 
+  static constexpr std::size_t kCells = 32;  // along each side of the face
   static constexpr std::size_t count() { return kCells * kCells; }
-  // Indices of the points in a cell.
-  std::span<const std::uint32_t> points(std::size_t cell) const {
-    return {order_.data() + begin_[cell], begin_[cell + 1] - begin_[cell]};
+  std::span<const Vector2d> points(std::size_t cell) const {
+    return {points_.data() + begin_[cell], begin_[cell + 1] - begin_[cell]};
   }
   Vector2d center(std::size_t cell) const {
     return origin_ + cell_.cwiseProduct(Vector2d(static_cast<double>(cell % kCells) + 0.5,
@@ -56,31 +55,29 @@ class CellGrid {
   double reach() const { return kReachSlack * cell_.norm() / 2; }
 
  private:
-  static constexpr std::size_t kCells = 32;
   static constexpr double kLeastSide = 1e-9;  // metres: a face of no extent still has cells
   static constexpr double kReachSlack =
       1.0 + 1e-6;  // points on the edge of a cell may round into its neighbour
 
-  std::size_t cellOf(std::size_t i) const {
-    const auto column = static_cast<std::size_t>((face_.x[i] - origin_.x()) / cell_.x());
-    const auto row = static_cast<std::size_t>((face_.y[i] - origin_.y()) / cell_.y());
-    return std::min(row, kCells - 1) * kCells + std::min(column, kCells - 1);
+  std::size_t cellOf(const Vector2d& p) const {
+    const Vector2d place = (p - origin_).cwiseQuotient(cell_);
+    return std::min(static_cast<std::size_t>(place.y()), kCells - 1) * kCells +
+           std::min(static_cast<std::size_t>(place.x()), kCells - 1);
   }
 
-  void sortIn() {
-    std::vector<std::uint32_t> cells(face_.size());
-    for (std::size_t i = 0; i < face_.size(); ++i)
-      ++begin_[(cells[i] = static_cast<std::uint32_t>(cellOf(i))) + 1];
+  void sortIn(const FaceProjection& face) {
+    std::vector<std::uint32_t> cells(face.size());
+    for (std::size_t i = 0; i < face.size(); ++i)
+      ++begin_[(cells[i] = static_cast<std::uint32_t>(cellOf(face.point(i)))) + 1];
     std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
     auto next = begin_;
-    order_.resize(face_.size());
-    for (std::size_t i = 0; i < face_.size(); ++i) order_[next[cells[i]]++] = static_cast<std::uint32_t>(i);
+    points_.resize(face.size());
+    for (std::size_t i = 0; i < face.size(); ++i) points_[next[cells[i]]++] = face.point(i);
   }
 
-  const FaceProjection& face_;
   Vector2d origin_, cell_;
   std::array<std::uint32_t, kCells * kCells + 1> begin_{};
-  std::vector<std::uint32_t> order_;
+  std::vector<Vector2d> points_;
 };
 
 // The few points of one face on which lines are bounded: sorted by x, then y, none twice.
@@ -97,6 +94,8 @@ class Subset {
     points_ = std::move(merged);
     return grown;
   }
+
+  const std::vector<Vector2d>& points() const { return points_; }
 
   // The summed area of the hulls of both sides: at most that of all points.
   double boundArea(const Line& line) {
@@ -141,56 +140,56 @@ class Subset {
   std::vector<Vector2d> points_, first_, second_, chain_;
 };
 
-// The extreme points, in eight directions, of every block of the grid's cells.
-std::vector<Vector2d> blockExtremes(const FaceProjection& face) {
-  constexpr std::array<std::array<double, 2>, 4> kDirections{{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};
-  struct Extreme {
-    double low = std::numeric_limits<double>::infinity(), high = -low;
-    std::size_t low_point = 0, high_point = 0;
-  };
-  const auto [x_low, x_high] = std::minmax_element(face.x.begin(), face.x.end());
-  const auto [y_low, y_high] = std::minmax_element(face.y.begin(), face.y.end());
-  const double x_scale = kBlocks / std::max(*x_high - *x_low, 1e-12),
-               y_scale = kBlocks / std::max(*y_high - *y_low, 1e-12);
-  std::vector<std::array<Extreme, 4>> blocks(kBlocks * kBlocks);
-  for (std::size_t i = 0; i < face.size(); ++i) {
-    const int column = std::min(kBlocks - 1, static_cast<int>((face.x[i] - *x_low) * x_scale));
-    const int row = std::min(kBlocks - 1, static_cast<int>((face.y[i] - *y_low) * y_scale));
-    for (std::size_t d = 0; d < kDirections.size(); ++d) {
-      Extreme& extreme = blocks[static_cast<std::size_t>(row * kBlocks + column)][d];
-      const double value = kDirections[d][0] * face.x[i] + kDirections[d][1] * face.y[i];
-      if (value < extreme.low) extreme.low = value, extreme.low_point = i;
-      if (value > extreme.high) extreme.high = value, extreme.high_point = i;
+// The extreme points of a set in eight directions.
+class Extremes {
+ public:
+  void add(const Vector2d& p) {
+    const std::array<double, 4> values{p.x(), p.y(), p.x() + p.y(), p.x() - p.y()};
+    for (std::size_t d = 0; d < values.size(); ++d) {
+      if (values[d] < low_[d].value) low_[d] = {values[d], p};
+      if (values[d] > high_[d].value) high_[d] = {values[d], p};
     }
+  }
+  void appendTo(std::vector<Vector2d>& points) const {
+    if (low_[0].value > high_[0].value) return;
+    for (std::size_t d = 0; d < low_.size(); ++d)
+      points.insert(points.end(), {low_[d].point, high_[d].point});
+  }
+
+ private:
+  struct Extreme {
+    double value;
+    Vector2d point{0, 0};
+  };
+  static std::array<Extreme, 4> allAt(double value) { return {{{value}, {value}, {value}, {value}}}; }
+
+  std::array<Extreme, 4> low_ = allAt(std::numeric_limits<double>::infinity()),
+                         high_ = allAt(-std::numeric_limits<double>::infinity());
+};
+
+// The extreme points of square blocks of cells.
+std::vector<Vector2d> blockExtremes(const CellGrid& grid) {
+  constexpr std::size_t kBlock = 4, kBlocks = CellGrid::kCells / kBlock;
+  std::vector<Extremes> blocks(kBlocks * kBlocks);
+  for (std::size_t cell = 0; cell < CellGrid::count(); ++cell) {
+    const std::size_t row = cell / CellGrid::kCells / kBlock, column = cell % CellGrid::kCells / kBlock;
+    for (const Vector2d& p : grid.points(cell)) blocks[row * kBlocks + column].add(p);
   }
   std::vector<Vector2d> points;
-  for (const auto& block : blocks) {
-    for (const Extreme& extreme : block) {
-      if (extreme.high < extreme.low) continue;
-      points.push_back(face.point(extreme.low_point));
-      points.push_back(face.point(extreme.high_point));
-    }
-  }
+  for (const Extremes& block : blocks) block.appendTo(points);
   return points;
 }
 
-// The hull of all points: of those that the hull of the extremes does not contain.
-Polygon hullOf(const FaceProjection& face, const std::vector<Vector2d>& extremes) {
-  const Polygon inner = convexHull(extremes);
-  std::vector<Vector2d> candidates = extremes;
-  for (std::size_t i = 0; i < face.size(); ++i) {
-    if (!containsPoint(inner, face.point(i))) candidates.push_back(face.point(i));
-  }
-  return convexHull(candidates);
-}
-
-// One side of a line: the hull of the subset's points there. The subset has all vertices of the whole hull,
-// so a point of this side can be outside only beyond an `open` edge: one that is not an edge of the whole
-// hull.
+// The hull of known points on one side of a line, or of all of them.
 class KnownSide {
  public:
-  KnownSide(const std::vector<Vector2d>& points, const Polygon& whole) : hull_(convexHull(points)) {
-    if (hull_.size() < 3) return;
+  // Edges of `whole`, the hull of all points on both sides, have nothing beyond them.
+  explicit KnownSide(const std::vector<Vector2d>& points, const Polygon& whole = {})
+      : hull_(convexHull(points)) {
+    if (hull_.size() < 3) {
+      open_.push_back({Vector2d::Zero(), -1.0});  // every point is beyond it
+      return;
+    }
     for (std::size_t i = 0; i < hull_.size(); ++i) {
       const Vector2d &a = hull_[i], &b = hull_[(i + 1) % hull_.size()];
       if (isEdge(whole, a, b)) continue;
@@ -200,12 +199,13 @@ class KnownSide {
   }
 
   const Polygon& hull() const { return hull_; }
-  // How far p is beyond the open edges: not positive inside.
-  double excess(const Vector2d& p) const {
-    if (hull_.size() < 3) return std::numeric_limits<double>::infinity();
-    double excess = -std::numeric_limits<double>::infinity();
-    for (const Line& edge : open_) excess = std::max(excess, edge.normal.dot(p) - edge.offset);
-    return excess;
+  // The edges that points within `reach` of `center` can be beyond.
+  void edgesNear(const Vector2d& center, double reach, std::vector<Line>& edges) const {
+    edges.clear();
+    for (const Line& edge : open_) {
+      const double height = edge.normal.dot(center) - edge.offset;
+      if (height > -reach) edges.push_back(edge);
+    }
   }
 
  private:
@@ -220,20 +220,55 @@ class KnownSide {
   std::vector<Line> open_;
 };
 
+bool beyondAny(const std::vector<Line>& edges, const Vector2d& p) {
+  return std::any_of(edges.begin(), edges.end(),
+                     [&p](const Line& edge) { return edge.normal.dot(p) > edge.offset; });
+}
+
+// The hull of all points: of those that the hull of the extremes does not contain.
+Polygon hullOf(const CellGrid& grid, const std::vector<Vector2d>& extremes) {
+  const KnownSide known(extremes);
+  std::vector<Vector2d> candidates = extremes;
+  std::vector<Line> edges;
+  for (std::size_t cell = 0; cell < CellGrid::count(); ++cell) {
+    known.edgesNear(grid.center(cell), grid.reach(), edges);
+    if (edges.empty()) continue;
+    for (const Vector2d& p : grid.points(cell)) {
+      if (beyondAny(edges, p)) candidates.push_back(p);
+    }
+  }
+  return convexHull(std::move(candidates));
+}
+
 // One face of the search: its lines, and Theta of any of them bounded or exact.
 class FaceSearch {
  public:
   FaceSearch(const FaceProjection& face, const DecompositionOptions& options)
       : face_(face), grid_(face), least_(leastPoints(face.size(), options.min_point_fraction)) {
-    const std::vector<Vector2d> extremes = blockExtremes(face);
-    hull_ = hullOf(face, extremes);
+    const std::vector<Vector2d> extremes = blockExtremes(grid_);
+    hull_ = hullOf(grid_, extremes);
     subset_.add(extremes);
     subset_.add(hull_);
-    lines_ = cutLines(hull_, options);
+    fans_ = cutFans(hull_, options);
+    lines_ = cutLines(fans_);
   }
 
   const std::vector<Line>& lines() const { return lines_; }
   int version() const { return version_; }
+
+  // The first bounds of all lines.
+  std::vector<double> bounds() const {
+    std::vector<double> bounds;
+    AngularSweep sweep;
+    for (const CutFan& fan : fans_) {
+      sweep.sweep(subset_.points(), fan.apex, centroid(hull_));
+      for (const Line& line : fan.lines)
+        bounds.push_back(sweep.area({line.normal.y(), -line.normal.x()}) / face_.area);
+    }
+    return bounds;
+  }
+
+  // The bound of one line, on all that exact() has added to the subset since.
   double bound(std::size_t line) { return subset_.boundArea(lines_[line]) / face_.area; }
 
   // Theta on all points. Those that the subset's hulls did not contain join the subset.
@@ -255,21 +290,24 @@ class FaceSearch {
   std::size_t gatherOutside(const Line& line, const KnownSide& first, const KnownSide& second,
                             Sides& outer) const {
     std::size_t on_first = 0;
+    std::vector<Line> first_edges, second_edges;
     for (std::size_t cell = 0; cell < CellGrid::count(); ++cell) {
-      const std::span<const std::uint32_t> points = grid_.points(cell);
+      const std::span<const Vector2d> points = grid_.points(cell);
       if (points.empty()) continue;
       const Vector2d center = grid_.center(cell);
       const double distance = line.normal.dot(center) - line.offset;
       const bool parted = std::abs(distance) <= grid_.reach();
-      if (!parted && (distance < 0 ? first : second).excess(center) < -grid_.reach()) {
+      if (parted || distance < 0) first.edgesNear(center, grid_.reach(), first_edges);
+      if (parted || distance > 0) second.edgesNear(center, grid_.reach(), second_edges);
+      if (!parted && (distance < 0 ? first_edges : second_edges).empty()) {
         if (distance < 0) on_first += points.size();
         continue;
       }
-      for (const std::uint32_t i : points) {
-        const Vector2d p = face_.point(i);
+      for (const Vector2d& p : points) {
         const bool is_first = line.normal.dot(p) <= line.offset;
         on_first += is_first;
-        if ((is_first ? first : second).excess(p) > 0) (is_first ? outer.first : outer.second).push_back(p);
+        if (beyondAny(is_first ? first_edges : second_edges, p))
+          (is_first ? outer.first : outer.second).push_back(p);
       }
     }
     return on_first;
@@ -280,8 +318,9 @@ class FaceSearch {
   std::size_t least_;
   Polygon hull_;  // of all points
   Subset subset_;
-  std::vector<Line> lines_;
-  int version_ = 0;  // of the subset
+  std::vector<CutFan> fans_;
+  std::vector<Line> lines_;  // of all fans
+  int version_ = 0;          // of the subset
 };
 
 // A line with a lower bound of its Theta; the least comes first, of equals the first line.
@@ -302,7 +341,7 @@ std::optional<BestLine> searchByBounds(std::vector<FaceSearch>& searches, Queue 
                                        const StopToken& stop) {
   std::optional<BestLine> best;
   std::size_t best_line = 0;
-  while (!queue.empty() && (!best || queue.top().bound <= best->theta * kBoundSlack)) {
+  while (!queue.empty() && (!best || queue.top().bound <= best->theta + kBoundSlack)) {
     stop.check();
     Bounded top = queue.top();
     queue.pop();
@@ -325,9 +364,7 @@ std::optional<BestLine> bestByBounds(const FaceProjections& faces, const Decompo
   std::vector<FaceSearch> searches;
   for (const FaceProjection& face : faces) searches.emplace_back(face, options);
   std::array<std::vector<double>, 3> bounds;
-  parallelFor(faces.size(), options.threads, [&](std::size_t f) {
-    for (std::size_t i = 0; i < searches[f].lines().size(); ++i) bounds[f].push_back(searches[f].bound(i));
-  });
+  parallelFor(faces.size(), options.threads, [&](std::size_t f) { bounds[f] = searches[f].bounds(); });
   std::vector<Bounded> lines;
   for (int f = 0; f < 3; ++f) {
     for (std::size_t i = 0; i < bounds[f].size(); ++i) lines.push_back({bounds[f][i], f, i, 0});
@@ -342,7 +379,7 @@ std::optional<BestLine> bestByTryingAll(const FaceProjections& faces, const Deco
   for (int f = 0; f < 3; ++f) {
     std::vector<Vector2d> points;
     for (std::size_t i = 0; i < faces[f].size(); ++i) points.push_back(faces[f].point(i));
-    for (const Line& line : cutLines(convexHull(std::move(points)), options)) {
+    for (const Line& line : cutLines(cutFans(convexHull(std::move(points)), options))) {
       stop.check();
       const std::optional<double> theta = plainTheta(faces[f], line, least);
       if (theta && (!best || *theta < best->theta)) best = BestLine{*theta, f, line};

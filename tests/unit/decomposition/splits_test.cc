@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "boxgrasp/decomposition/angular_sweep.h"
 #include "boxgrasp/decomposition/cut_lines.h"
 #include "boxgrasp/geometry/min_volume_box.h"
 #include "shapes.h"
@@ -22,6 +23,10 @@ BoxNode rootOf(const PointCloud& cloud) {
 FaceProjections facesOf(const PointCloud& cloud) {
   const BoxNode root = rootOf(cloud);
   return {projectNode(cloud, root, 0), projectNode(cloud, root, 1), projectNode(cloud, root, 2)};
+}
+
+std::vector<Line> linesOn(const Polygon& hull, const DecompositionOptions& options = {}) {
+  return cutLines(cutFans(hull, options));
 }
 
 std::vector<Vector2d> pointsOf(const FaceProjection& face) {
@@ -84,13 +89,13 @@ TEST(LongSegments, AreTheEdgesOfARectangle) {
 
 TEST(LongSegments, AreNotFoundOnADisc) {
   EXPECT_TRUE(longSegments(regularPolygon(64, 0.05), {}).empty());
-  EXPECT_TRUE(cutLines(regularPolygon(64, 0.05), {}).empty());
+  EXPECT_TRUE(linesOn(regularPolygon(64, 0.05)).empty());
 }
 
 TEST(LongSegments, AreNotFoundOnFewerThanThreeVertices) {
   for (const Polygon& hull : {Polygon{}, Polygon{{0, 0}}, Polygon{{0, 0}, {1, 0}}}) {
     EXPECT_TRUE(longSegments(hull, {}).empty());
-    EXPECT_TRUE(cutLines(hull, {}).empty());
+    EXPECT_TRUE(linesOn(hull).empty());
   }
 }
 
@@ -125,13 +130,13 @@ TEST(LongSegments, DoNotDependOnTheFirstVertex) {
 TEST(CutLines, JoinEverySampleOfEveryPairOfSegments) {
   DecompositionOptions options;
   options.samples_per_segment = 5;
-  EXPECT_EQ(cutLines(kRectangle, options).size(), 6u * 5u * 5u);
+  EXPECT_EQ(linesOn(kRectangle, options).size(), 6u * 5u * 5u);
 }
 
 // A line through an interior sample of two edges has hull vertices strictly on both sides.
 TEST(CutLines, PartTheHull) {
   for (const Polygon& hull : hullsOf(test::allShapes(500))) {
-    for (const Line& line : cutLines(hull, {})) {
+    for (const Line& line : linesOn(hull)) {
       EXPECT_NEAR(line.normal.norm(), 1.0, 1e-12);
       const auto before = [&](const Vector2d& p) { return line.normal.dot(p) <= line.offset; };
       EXPECT_TRUE(std::any_of(hull.begin(), hull.end(), before));
@@ -155,7 +160,7 @@ TEST(BestHullLine, HasTheLeastThetaOfAllLines) {
     const std::size_t least = leastPoints(cloud.size(), DecompositionOptions{}.min_point_fraction);
     double smallest = std::numeric_limits<double>::infinity();
     for (const FaceProjection& face : faces) {
-      for (const Line& line : cutLines(convexHull(pointsOf(face)), {})) {
+      for (const Line& line : linesOn(convexHull(pointsOf(face)))) {
         const std::optional<double> theta = thetaOf(face, line, least);
         EXPECT_EQ(theta, plainTheta(face, line, least));
         if (theta) smallest = std::min(smallest, *theta);
