@@ -1,0 +1,452 @@
+// Server and client as processes, over real LCM.
+#include <arpa/inet.h>
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <thread>
+
+#include "boxgrasp/cloud/write_cloud.h"
+#include "boxgrasp/messaging/channels.h"
+#include "boxgrasp/messaging/cloud_conversion.h"
+#include "boxgrasp/messaging/lcm_bus.h"
+#include "boxgrasp/messaging/plan_conversion.h"
+#include "boxgrasp/objects/parametric.h"
+#include "processes.h"
+
+namespace boxgrasp::test {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using testing::AnyOf;
+using testing::Contains;
+using testing::HasSubstr;
+
+// A port of this process's own, so that test programs can run at the same time where they share a network.
+const std::string& url() {
+  static const std::string text = fmt::format("udpm://239.255.76.67:{}?ttl=0", 20000 + getpid() % 20000);
+  return text;
+}
+
+PointCloud cup(std::size_t points = 20'000) {
+  return sampleSurface(parametricObject("paper_cup"), points, 1);
+}
+
+std::vector<std::string> operator+(std::vector<std::string> a, const std::vector<std::string>& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+class Service : public testing::Test {
+ protected:
+  void SetUp() override {
+    writePcd(cup(), folder / "cup.pcd");
+    std::ofstream(folder / "slow.toml")
+        << "[server]\nstop_s = 0.5\n[clean]\nvoxel_m = 0.0\n[decomposition]\nexhaustive = true\n";
+    std::ofstream(folder / "clouds.toml") << "[server]\ncloud_channel = \"CAMERA\"\n";
+  }
+
+  std::vector<std::string> serverLine(const std::vector<std::string>& more = {}) const {
+    return std::vector<std::string>{BOXGRASP_SERVER, "--lcm-url", url()} + more;
+  }
+  void startServer(const std::vector<std::string>& more = {}) {
+    server.emplace(serverLine(more));
+    const auto end = Clock::now() + std::chrono::seconds(10);
+    while (server->running() && Clock::now() < end && server->err().find("answering on") == std::string::npos)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    ASSERT_THAT(server->err(), HasSubstr("answering on"));
+  }
+  Finished client(const std::string& command, const std::vector<std::string>& more) const {
+    return run(std::vector<std::string>{BOXGRASP_CLIENT, command, "--lcm-url", url()} + more);
+  }
+  Finished local(const std::vector<std::string>& more) const {
+    return client("plan", std::vector<std::string>{"--local"} + more);
+  }
+
+  TemporaryFolder folder;
+  std::optional<Process> server;
+};
+
+// This test as a client that speaks the wire itself.
+class Wire {
+ public:
+  Wire() : bus_({.url = url()}) {
+    bus_.subscribe(channel::kPlanResponse, kMaxMessageBytes, [this](auto bytes) {
+      answers.push_back(decoded<plan_response_t>(bytes));
+      raw.emplace_back(bytes.begin(), bytes.end());
+    });
+    bus_.subscribe(channel::kStatus, kMaxMessageBytes,
+                   [this](auto bytes) { status = decoded<status_t>(bytes); });
+  }
+
+  plan_request_t request(const std::string& id, double deadline_s = 0.0, std::size_t points = 4000) const {
+    PlanRequest plan;
+    plan.cloud_C = cup(points);
+    return toMessage(plan, {id, "camera", deadline_s, 1});
+  }
+  // Its plan takes some 20 s with slow.toml, and looks at its stop token all the time.
+  plan_request_t slowRequest(const std::string& id, double deadline_s = 0.0) const {
+    return request(id, deadline_s, 300'000);
+  }
+  template <typename Message>
+  void send(const std::string& to, const Message& message) {
+    bus_.publish(to, message);
+  }
+  bool until(const std::function<bool()>& condition, double timeout_s = 20.0) {
+    const auto end = Clock::now() + std::chrono::duration<double>(timeout_s);
+    while (!condition() && Clock::now() < end) bus_.wait(20);
+    return condition();
+  }
+  const plan_response_t* answer(const std::string& id) const {
+    for (const plan_response_t& a : answers) {
+      if (a.request_id == id) return &a;
+    }
+    return nullptr;
+  }
+  // The answer to a request sent now; a null pointer if none comes.
+  const plan_response_t* ask(const plan_request_t& message) {
+    send(channel::kPlanRequest, message);
+    until([&] { return answer(message.request_id) != nullptr; });
+    return answer(message.request_id);
+  }
+  bool active(const std::string& id) const {
+    return std::find(status.active.begin(), status.active.end(), id) != status.active.end();
+  }
+  void freshStatus() {
+    const auto before = status.utime;
+    until([&] { return status.utime != before; });
+  }
+
+  std::vector<plan_response_t> answers;
+  std::vector<std::vector<std::uint8_t>> raw;
+  status_t status{};
+
+ private:
+  LcmBus bus_;
+};
+
+nlohmann::json withoutTimes(const std::string& text) {
+  nlohmann::json json = nlohmann::json::parse(text);
+  for (auto& stage : json["report"]["stages"]) stage.erase("time_s");
+  json["report"].erase("time_s");
+  return json;
+}
+
+TEST_F(Service, LocalEqualsTheDaemonsAnswer) {
+  startServer();
+  const std::vector<std::string> arguments = {folder / "cup.pcd", "--json", "--top", "5",
+                                              "--gravity",        "0,0,-1"};
+  const Finished there = client("plan", arguments), here = local(arguments);
+  ASSERT_EQ(there.code, 0) << there.err;
+  ASSERT_EQ(here.code, 0) << here.err;
+  EXPECT_EQ(withoutTimes(there.out), withoutTimes(here.out));
+  EXPECT_EQ(withoutTimes(there.out)["outcome"], "grasps");
+  EXPECT_GT(withoutTimes(there.out)["grasps"].size(), 0u);
+}
+
+// The keys that the JSON of a plan promises.
+TEST_F(Service, JsonHasItsKeys) {
+  const nlohmann::json plan = nlohmann::json::parse(local({folder / "cup.pcd", "--json", "--top", "1"}).out);
+  for (const char* key : {"outcome", "message", "model_version", "frame", "grasps", "boxes", "report"})
+    EXPECT_TRUE(plan.contains(key)) << key;
+  const auto& grasp = plan["grasps"].at(0);
+  EXPECT_EQ(grasp["palm_pose"]["position_m"].size(), 3u);
+  EXPECT_EQ(grasp["palm_pose"]["quaternion_wxyz"].size(), 4u);
+  for (const char* joint : {"spread", "f1", "f2", "f3"})
+    EXPECT_TRUE(grasp["joints_rad"][joint].is_number()) << joint;
+  ASSERT_EQ(grasp["contacts"].size(), 3u);
+  EXPECT_EQ(grasp["contacts"][2]["finger"], "f3");
+  EXPECT_EQ(grasp["contacts"][0]["position_m"].size(), 3u);
+  EXPECT_EQ(grasp["contacts"][0]["normal"].size(), 3u);
+  EXPECT_EQ(grasp["approach"].size(), 3u);
+  EXPECT_EQ(grasp["quality"].size(), 9u);
+  EXPECT_TRUE(plan["boxes"].at(grasp["box"].get<int>())["leaf"].get<bool>())
+      << "grasps are planned on leaves";
+  for (const char* key : {"center_m", "quaternion_wxyz", "extents_m", "points", "parent", "leaf", "theta"})
+    EXPECT_TRUE(plan["boxes"][0].contains(key)) << key;
+  for (const char* key : {"name", "in", "out", "time_s"})
+    EXPECT_TRUE(plan["report"]["stages"].at(0).contains(key)) << key;
+  EXPECT_TRUE(plan["report"]["rejected"].is_object());
+  EXPECT_TRUE(plan["report"]["seed"].is_number_integer());
+}
+
+TEST_F(Service, RepeatsItsAnswerWithoutPlanningTwice) {
+  startServer();
+  Wire wire;
+  plan_request_t request = wire.request("twice");
+  ASSERT_TRUE(wire.ask(request));
+  ++request.utime;  // a later try
+  wire.send(channel::kPlanRequest, request);
+  ASSERT_TRUE(wire.until([&] { return wire.answers.size() == 2; }));
+  EXPECT_EQ(wire.raw[0], wire.raw[1]);
+  wire.freshStatus();
+  EXPECT_EQ(wire.status.repeated, 1);
+  EXPECT_EQ(wire.status.outcomes[plan_response_t::GRASPS], 1);
+}
+
+TEST_F(Service, RefusesOneIdForTwoContents) {
+  startServer();
+  Wire wire;
+  ASSERT_TRUE(wire.ask(wire.request("one")));
+  wire.answers.clear();
+  const plan_response_t* second = wire.ask(wire.request("one", 0.0, 3000));
+  ASSERT_TRUE(second);
+  EXPECT_EQ(outcomeName(second->outcome), "bad_input");
+  EXPECT_THAT(second->message, HasSubstr("choose a new one"));
+}
+
+TEST_F(Service, AnswersOverloadedAtOnceAndCancels) {
+  startServer({"--config", folder / "slow.toml", "--workers", "1", "--queue", "1"});
+  Wire wire;
+  wire.send(channel::kPlanRequest, wire.slowRequest("runs"));
+  ASSERT_TRUE(wire.until([&] { return wire.status.running == 1 && wire.active("runs"); }));
+  wire.send(channel::kPlanRequest, wire.request("waits"));
+  ASSERT_TRUE(wire.until([&] { return wire.active("waits"); }));
+  EXPECT_TRUE(wire.status.overloaded);
+  wire.send(channel::kPlanRequest, wire.slowRequest("runs"));
+  const plan_response_t* third = wire.ask(wire.request("one too many"));
+  ASSERT_TRUE(third);
+  EXPECT_EQ(outcomeName(third->outcome), "overloaded");
+  EXPECT_EQ(wire.answers.size(), 1u) << "the repeated request joins the one that runs";
+  for (const std::string id : {"waits", "runs", "unknown"}) wire.send(channel::kCancel, cancel_t{1, id});
+  ASSERT_TRUE(wire.until([&] { return wire.answer("waits") && wire.answer("runs"); }));
+  EXPECT_EQ(outcomeName(wire.answer("waits")->outcome), "cancelled");
+  EXPECT_EQ(outcomeName(wire.answer("runs")->outcome), "cancelled");
+}
+
+TEST_F(Service, SaysThatADeadlinePassed) {
+  startServer({"--config", folder / "slow.toml", "--workers", "1"});
+  Wire wire;
+  const plan_response_t* gone = wire.ask(wire.request("passed before it came", -1.0));
+  ASSERT_TRUE(gone);
+  EXPECT_EQ(outcomeName(gone->outcome), "deadline");
+  wire.send(channel::kPlanRequest, wire.slowRequest("short", 0.4));
+  const plan_response_t* waited = wire.ask(wire.request("waits", 0.2));
+  ASSERT_TRUE(waited);
+  EXPECT_EQ(outcomeName(waited->outcome), "deadline");
+  EXPECT_THAT(waited->message, HasSubstr("in the queue"));
+  ASSERT_TRUE(wire.until([&] { return wire.answer("short") != nullptr; }));
+  EXPECT_EQ(outcomeName(wire.answer("short")->outcome), "deadline");
+  const Finished late = client("plan", {folder / "cup.pcd", "--deadline-s", "0.5"});
+  EXPECT_EQ(late.code, 5) << late.err;
+  EXPECT_THAT(late.err, HasSubstr("deadline passed"));
+}
+
+TEST_F(Service, GoesOnAfterHostileMessages) {
+  startServer();
+  Wire wire;
+  const auto good = encoded(wire.request("good"));
+  std::vector<std::vector<std::uint8_t>> bad = {
+      {}, {1, 2, 3}, std::vector<std::uint8_t>(5000, 0xff), {good.begin(), good.end() - 1}};
+  for (const std::size_t at :
+       {0u, 16u, 17u, 18u, 19u}) {  // the fingerprint, and the bytes of a text's length
+    bad.push_back(good);
+    bad.back()[at] ^= 0x80;
+  }
+  bad.push_back(good);
+  std::fill(bad.back().begin() + 16, bad.back().begin() + 20, 0);
+  for (const auto& bytes : bad) {
+    wire.send(channel::kPlanRequest, bytes);
+    wire.send(channel::kCancel, bytes);
+  }
+  plan_request_t nonsense = wire.request("nonsense");
+  nonsense.cloud.width = 1'000'000'000'000;
+  const plan_response_t* refused = wire.ask(nonsense);
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(outcomeName(refused->outcome), "bad_input");
+  const plan_response_t* answer = wire.ask(wire.request("good"));
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(outcomeName(answer->outcome), "grasps") << answer->message;
+  wire.freshStatus();
+  EXPECT_EQ(wire.status.refused, static_cast<std::int64_t>(2 * bad.size()));
+}
+
+TEST_F(Service, PlansTheCloudsOfAChannel) {
+  startServer({"--config", folder / "clouds.toml"});
+  Wire wire;
+  drake::lcmt_point_cloud cloud = toMessage(cup(4000), "camera");
+  cloud.utime = 77;
+  wire.send("CAMERA", cloud);
+  ASSERT_TRUE(wire.until([&] { return wire.answer("CAMERA@77") != nullptr; }));
+  EXPECT_EQ(outcomeName(wire.answers[0].outcome), "grasps");
+  EXPECT_EQ(wire.answers[0].frame, "camera");
+}
+
+TEST_F(Service, TheLatestCloudOfAChannelWins) {
+  std::ofstream(folder / "slow_clouds.toml")
+      << "[server]\ncloud_channel = \"CAMERA\"\nstop_s = 0\n[decomposition]\nexhaustive = "
+         "true\n[clean]\nvoxel_m = 0.0\n";
+  startServer({"--config", folder / "slow_clouds.toml", "--workers", "1"});
+  Wire wire;
+  drake::lcmt_point_cloud cloud = toMessage(cup(4000), "camera");
+  wire.send(channel::kPlanRequest, wire.slowRequest("runs"));
+  ASSERT_TRUE(wire.until([&] { return wire.status.running == 1; }));
+  for (cloud.utime = 1; cloud.utime <= 3; ++cloud.utime) wire.send("CAMERA", cloud);
+  ASSERT_TRUE(wire.until([&] { return wire.status.superseded == 2; }));
+  EXPECT_THAT(wire.status.active, Contains("CAMERA@3"));
+  EXPECT_EQ(wire.status.queue_length, 1);
+}
+
+TEST_F(Service, SigtermAnswersEverybodyAndEnds) {
+  startServer({"--config", folder / "slow.toml", "--workers", "1"});
+  Wire wire;
+  wire.send(channel::kPlanRequest, wire.slowRequest("runs"));
+  ASSERT_TRUE(wire.until([&] { return wire.status.running == 1; }));
+  wire.send(channel::kPlanRequest, wire.request("waits"));
+  ASSERT_TRUE(wire.until([&] { return wire.active("waits"); }));
+  server->signal(SIGTERM);
+  ASSERT_TRUE(wire.until([&] { return wire.answer("runs") && wire.answer("waits"); }));
+  EXPECT_EQ(outcomeName(wire.answer("waits")->outcome), "overloaded");
+  EXPECT_EQ(outcomeName(wire.answer("runs")->outcome), "cancelled") << "it ran on past stop_s";
+  EXPECT_EQ(server->wait(10), 0) << server->err();
+}
+
+TEST_F(Service, StatusTellsHowItIs) {
+  startServer();
+  const Finished text = client("status", {}), json = client("status", {"--json"});
+  EXPECT_EQ(text.code, 0) << text.err;
+  EXPECT_THAT(text.out, HasSubstr("0 of 2 workers busy"));
+  const nlohmann::json status = nlohmann::json::parse(json.out);
+  EXPECT_EQ(status["queue_capacity"], 16);
+  EXPECT_EQ(status["hand"], "Barrett BH8");
+  EXPECT_GT(status["receive_buffer_bytes"]["granted"].get<std::int64_t>(), 0);
+}
+
+TEST_F(Service, ASecondServerIsRefused) {
+  startServer();
+  const Finished second = run(serverLine());
+  EXPECT_EQ(second.code, 3);
+  EXPECT_THAT(second.err, HasSubstr("another boxgrasp-server already answers on"));
+}
+
+TEST_F(Service, APortInUseIsSaid) {
+  const int holder = socket(AF_INET, SOCK_DGRAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<std::uint16_t>(20000 + getpid() % 20000));
+  ASSERT_EQ(bind(holder, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+  const Finished finished = run(serverLine());
+  close(holder);
+  EXPECT_EQ(finished.code, 3);
+  EXPECT_THAT(finished.err, HasSubstr("cannot be used (Address already in use)"));
+}
+
+TEST_F(Service, WithoutAServerTheClientSaysSo) {
+  const Finished plan = client("plan", {folder / "cup.pcd", "--json"}), status = client("status", {});
+  EXPECT_EQ(plan.code, 4);
+  EXPECT_THAT(plan.err, HasSubstr("no boxgrasp-server answers on"));
+  EXPECT_EQ(nlohmann::json::parse(plan.out)["outcome"], "not_reachable");
+  EXPECT_EQ(status.code, 4);
+}
+
+TEST_F(Service, WrongUsageIsExitCode2) {
+  EXPECT_EQ(client("plan", {}).code, 2);
+  EXPECT_EQ(client("plan", {folder / "cup.pcd", "--friction", "-1"}).code, 2);
+  EXPECT_EQ(client("plan", {folder / "cup.pcd", "--model", folder / "model.json"}).code, 2)
+      << "a model needs --local";
+  EXPECT_EQ(client("show", {folder / "cup.pcd"}).code, 2) << "show needs --picture";
+  EXPECT_EQ(run({BOXGRASP_SERVER, "--workers", "x"}).code, 2);
+}
+
+TEST_F(Service, WrongConfigurationIsExitCode3) {
+  std::ofstream(folder / "wrong.toml") << "[server]\nworkrs = 3\n";
+  const Finished finished = run(serverLine({"--config", folder / "wrong.toml"}));
+  EXPECT_EQ(finished.code, 3);
+  EXPECT_THAT(finished.err,
+              HasSubstr("wrong.toml:2:1: unknown key 'workrs' in section [server]; did you mean 'workers'?"));
+  EXPECT_EQ(run(serverLine({"--workers", "0"})).code, 3);
+  EXPECT_EQ(run({BOXGRASP_SERVER, "--model", folder / "missing.json"}).code, 3);
+}
+
+TEST_F(Service, TheShippedConfigurationIsTheDefaultOne) {
+  startServer({"--config", std::string(BOXGRASP_SOURCE_DIR) + "/deploy/boxgrasp.toml"});
+  EXPECT_THAT(server->err(), testing::Not(HasSubstr("sets"))) << "the server logs keys that change something";
+}
+
+// Bad input through the server and in-process: one message, one exit code, and the server goes on.
+TEST_F(Service, BadFilesGetAMessageAndAnExitCode) {
+  startServer();
+  const auto write = [&](const std::string& name, const std::string& text) {
+    std::ofstream(folder / name) << text;
+    return folder / name;
+  };
+  const auto points = [](int n, const std::function<Vector3d(int)>& at) {
+    std::string text;
+    for (int i = 0; i < n; ++i) text += fmt::format("{} {} {}\n", at(i).x(), at(i).y(), at(i).z());
+    return text;
+  };
+  const std::string header =
+      "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 100\nHEIGHT 1\n";
+  struct Case {
+    fs::path file;
+    std::vector<int> codes;
+  };
+  const std::vector<Case> cases = {
+      {write("empty.pcd", ""), {3}},
+      {write("text.pcd", "this is a letter, not a cloud\n"), {3}},
+      {write("empty.xyz", ""), {3}},
+      {write("truncated.pcd", header + "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 100\nDATA binary\nabc"), {3}},
+      {write("nan.xyz", "nan nan nan\nnan nan nan\n"), {3}},
+      {write("point.xyz", "1 2 3\n"), {3}},
+      {write("line.xyz", points(500, [](int i) { return Vector3d(0.0005 * i, 0, 0); })), {1, 3}},
+      {write("plane.xyz",
+             points(2500, [](int i) { return Vector3d(0.002 * (i % 50), 0.002 * (i / 50), 0); })),
+       {1, 3}},
+      {write("huge.xyz", points(500, [](int i) { return Vector3d(i % 10, i / 10 % 10, i); })), {3}},
+      {fs::temp_directory_path(), {3}},
+      {folder / "missing.pcd", {3}},
+  };
+  for (const Case& c : cases) {
+    const Finished there = client("plan", {c.file, "--json"}), here = local({c.file, "--json"});
+    EXPECT_THAT(c.codes, Contains(there.code)) << c.file << ": " << there.err;
+    EXPECT_EQ(there.code, here.code) << c.file << ": " << here.err;
+    const auto json = nlohmann::json::parse(there.out);
+    EXPECT_FALSE(json["message"].get<std::string>().empty()) << c.file;
+    EXPECT_THAT(there.err, HasSubstr(json["message"].get<std::string>())) << c.file;
+    EXPECT_TRUE(server->running()) << c.file << " ended the server: " << server->err();
+  }
+}
+
+TEST_F(Service, FiveMillionPointsGetAnAnswer) {
+  writePcd(cup(5'000'000), folder / "large.pcd");
+  startServer();
+  const Finished here = local({folder / "large.pcd", "--json"});
+  ASSERT_EQ(here.code, 0) << here.err;
+  const Finished there = client("plan", {folder / "large.pcd", "--json"});
+  if (there.code == 3)
+    EXPECT_THAT(there.err, HasSubstr("receive buffer")) << "a machine that grants no large buffer";
+  else
+    EXPECT_EQ(withoutTimes(there.out), withoutTimes(here.out)) << there.err;
+}
+
+TEST_F(Service, DrawsAPicture) {
+  const Finished finished = client("show", {folder / "cup.pcd", "--picture", folder / "p.png"});
+  EXPECT_EQ(finished.code, 0) << finished.err;
+  EXPECT_GT(fs::file_size(folder / "p.png"), 10'000u);
+}
+
+TEST_F(Service, ExplainsWhereCandidatesWereLost) {
+  startServer();
+  const Finished finished = client("explain", {folder / "cup.pcd"});
+  EXPECT_EQ(finished.code, 0) << finished.err;
+  for (const char* text : {"decomposition", "clearance", "rejected", "regions.min_length_m"})
+    EXPECT_THAT(finished.out, HasSubstr(text));
+}
+
+}  // namespace
+}  // namespace boxgrasp::test
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  boxgrasp::test::enterOwnNetwork();
+  return RUN_ALL_TESTS();
+}
