@@ -3,11 +3,12 @@ pkg_check_modules(LCM REQUIRED IMPORTED_TARGET lcm)
 pkg_check_modules(TOMLPLUSPLUS REQUIRED IMPORTED_TARGET tomlplusplus)
 pkg_check_modules(SODIUM REQUIRED IMPORTED_TARGET libsodium)
 pkg_check_modules(QHULL REQUIRED IMPORTED_TARGET qhull_r)
-find_package(PCL REQUIRED COMPONENTS common io filters segmentation search)
+pkg_check_modules(ODE REQUIRED IMPORTED_TARGET ode>=0.16)
+find_library(LZF lzf REQUIRED)
 
 boxgrasp_room(base          LIBRARIES TBB::tbb Threads::Threads)
 boxgrasp_room(geometry      ROOMS base)
-boxgrasp_room(cloud         ROOMS base geometry LIBRARIES ${PCL_LIBRARIES} SYSTEM_INCLUDES ${PCL_INCLUDE_DIRS})
+boxgrasp_room(cloud         ROOMS base geometry LIBRARIES ${LZF})
 boxgrasp_room(decomposition ROOMS base geometry)
 boxgrasp_room(projection    ROOMS base geometry decomposition LIBRARIES opencv_core opencv_imgproc)
 boxgrasp_room(synthesis     ROOMS base geometry projection LIBRARIES opencv_core opencv_imgproc)
@@ -35,6 +36,7 @@ target_sources(boxgrasp_planning PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/default_mod
 boxgrasp_room(rendering     ROOMS base geometry decomposition projection synthesis hand planning
                             LIBRARIES opencv_core opencv_imgproc opencv_imgcodecs)
 boxgrasp_room(objects       ROOMS base geometry)
+boxgrasp_room(simulation    ROOMS base geometry hand wrench objects LIBRARIES PkgConfig::ODE)
 boxgrasp_room(training      ROOMS base geometry wrench ranking planning objects)
 
 # The wire: lcm-gen makes one header of each .lcm file.

@@ -1,5 +1,5 @@
 #include <fmt/format.h>
-#include <pcl/io/lzf.h>
+#include <liblzf/lzf.h>
 
 #include <algorithm>
 #include <array>
@@ -246,7 +246,7 @@ std::vector<char> decompress(Cursor& cursor, std::size_t uncompressed_bytes) {
     cursor.fail("the compressed data cannot hold all points");
   std::vector<char> data(uncompressed_bytes);
   if (data.empty()) return data;
-  if (pcl::lzfDecompress(packed.data(), compressed_bytes, data.data(), declared_bytes) != declared_bytes) {
+  if (lzf_decompress(packed.data(), compressed_bytes, data.data(), declared_bytes) != declared_bytes) {
     cursor.fail("the compressed data is damaged");
   }
   return data;

@@ -1,7 +1,7 @@
 // Small valid files of every format, built in memory.
 #pragma once
 
-#include <pcl/io/lzf.h>
+#include <liblzf/lzf.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -70,7 +70,7 @@ inline std::string pcdCompressed() {
   }
   for (std::uint32_t i = 0; i < 9; ++i) plain += raw(7 + i);
   std::string packed(2 * plain.size(), '\0');
-  packed.resize(pcl::lzfCompress(plain.data(), static_cast<unsigned>(plain.size()), packed.data(),
+  packed.resize(lzf_compress(plain.data(), static_cast<unsigned>(plain.size()), packed.data(),
                                  static_cast<unsigned>(packed.size())));
   return pcdHeader("binary_compressed") + raw(static_cast<std::uint32_t>(packed.size())) +
          raw(static_cast<std::uint32_t>(plain.size())) + packed;
