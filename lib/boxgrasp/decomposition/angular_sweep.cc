@@ -23,7 +23,9 @@ void AngularSweep::sweep(const std::vector<Vector2d>& points, const Vector2d& ap
 
 double AngularSweep::area(const Vector2d& direction) const {
   constexpr double kMargin = 2 * tolerance::kAngle;  // rays of the same angle to kAngle count as one
-  const double angle = angleOf(direction);
+  const double angle = angleOf(direction), opposite = angle < 0 ? angle + 2 : angle - 2;
+  if (rays_.empty() || (opposite > rays_.front().angle - kMargin && opposite < rays_.back().angle + kMargin))
+    return 0.0;
   const auto byAngle = [](const Ray& ray, double value) { return ray.angle < value; };
   const auto before = std::lower_bound(rays_.begin(), rays_.end(), angle - kMargin, byAngle);
   const auto behind = std::lower_bound(before, rays_.end(), angle + kMargin, byAngle);

@@ -17,7 +17,8 @@ class AngularSweep {
   void sweep(const std::vector<Vector2d>& points, const Vector2d& apex, const Vector2d& inside);
 
   // The summed area of the hulls of both sides of the line through the apex along `direction`. Points so near
-  // to the line or the apex that rounding may put them on either side are left out: at most the true sum.
+  // to the line or the apex that rounding may put them on either side are left out: at most the true sum. 0
+  // where the line goes on into the points behind the apex, as along an edge of the hull.
   double area(const Vector2d& direction) const;
 
  private:

@@ -169,7 +169,7 @@ class Extremes {
 
 // The extreme points of square blocks of cells.
 std::vector<Vector2d> blockExtremes(const CellGrid& grid) {
-  constexpr std::size_t kBlock = 4, kBlocks = CellGrid::kCells / kBlock;
+  constexpr std::size_t kBlock = 8, kBlocks = CellGrid::kCells / kBlock;
   std::vector<Extremes> blocks(kBlocks * kBlocks);
   for (std::size_t cell = 0; cell < CellGrid::count(); ++cell) {
     const std::size_t row = cell / CellGrid::kCells / kBlock, column = cell % CellGrid::kCells / kBlock;
@@ -190,9 +190,10 @@ class KnownSide {
       open_.push_back({Vector2d::Zero(), -1.0});  // every point is beyond it
       return;
     }
+    std::size_t at = 0;
     for (std::size_t i = 0; i < hull_.size(); ++i) {
       const Vector2d &a = hull_[i], &b = hull_[(i + 1) % hull_.size()];
-      if (isEdge(whole, a, b)) continue;
+      if (isEdge(whole, a, b, at)) continue;
       const Vector2d outward = Vector2d(b.y() - a.y(), a.x() - b.x()).normalized();
       open_.push_back({outward, outward.dot(a)});
     }
@@ -209,9 +210,13 @@ class KnownSide {
   }
 
  private:
-  static bool isEdge(const Polygon& whole, const Vector2d& a, const Vector2d& b) {
-    for (std::size_t i = 0; i < whole.size(); ++i) {
-      if (whole[i] == a) return whole[(i + 1) % whole.size()] == b;
+  // Both hulls run the same way, so the search goes on from where the last vertex was found.
+  static bool isEdge(const Polygon& whole, const Vector2d& a, const Vector2d& b, std::size_t& at) {
+    const std::size_t n = whole.size();
+    for (std::size_t step = 0; step < n; ++step) {
+      if (whole[(at + step) % n] != a) continue;
+      at = (at + step) % n;
+      return whole[(at + 1) % n] == b;
     }
     return false;
   }
@@ -276,19 +281,27 @@ class FaceSearch {
     const Line& line = lines_[index];
     const Sides known = subset_.sides(line);
     const KnownSide first(known.first, hull_), second(known.second, hull_);
-    Sides outer{first.hull(), second.hull()};
-    const std::size_t on_first = gatherOutside(line, first, second, outer);
-    const Polygon whole_first = convexHull(outer.first), whole_second = convexHull(outer.second);
-    const bool first_grown = subset_.add(whole_first), second_grown = subset_.add(whole_second);
-    version_ += first_grown || second_grown;
+    Sides outside;
+    const std::size_t on_first = gatherOutside(line, first, second, outside);
+    const double area = grownArea(first.hull(), outside.first) + grownArea(second.hull(), outside.second);
     if (on_first < least_ || face_.size() - on_first < least_) return std::nullopt;
-    return (signedArea(whole_first) + signedArea(whole_second)) / face_.area;
+    return area / face_.area;
   }
 
  private:
-  // Adds the points outside the known hulls to `outer`; returns how many points are on the first side.
+  // The area of the hull of a known hull and points outside of it. Its new vertices join the subset.
+  double grownArea(const Polygon& known, const std::vector<Vector2d>& outside) {
+    if (outside.empty()) return signedArea(known);
+    std::vector<Vector2d> points = known;
+    points.insert(points.end(), outside.begin(), outside.end());
+    const Polygon grown = convexHull(std::move(points));
+    version_ += subset_.add(grown);
+    return signedArea(grown);
+  }
+
+  // Adds the points outside the known hulls to `outside`; returns how many points are on the first side.
   std::size_t gatherOutside(const Line& line, const KnownSide& first, const KnownSide& second,
-                            Sides& outer) const {
+                            Sides& outside) const {
     std::size_t on_first = 0;
     std::vector<Line> first_edges, second_edges;
     for (std::size_t cell = 0; cell < CellGrid::count(); ++cell) {
@@ -307,7 +320,7 @@ class FaceSearch {
         const bool is_first = line.normal.dot(p) <= line.offset;
         on_first += is_first;
         if (beyondAny(is_first ? first_edges : second_edges, p))
-          (is_first ? outer.first : outer.second).push_back(p);
+          (is_first ? outside.first : outside.second).push_back(p);
       }
     }
     return on_first;

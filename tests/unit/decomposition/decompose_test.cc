@@ -46,7 +46,7 @@ void expectSameTree(const BoxTree& a, const BoxTree& b) {
 }
 
 TEST(Decompose, GivesThePlainAlgorithmsTree) {
-  for (const auto& [name, cloud] : test::allShapes(1000)) {
+  for (const auto& [name, cloud] : test::allShapes(700)) {
     for (const GainMeasure gain : {GainMeasure::sum, GainMeasure::local}) {
       SCOPED_TRACE(std::string(name) + (gain == GainMeasure::sum ? ", sum" : ", local"));
       const DecompositionOptions options = optionsFor(gain);
@@ -62,7 +62,7 @@ TEST(Decompose, GivesThePlainAlgorithmsTreeForOtherOptions) {
   options.samples_per_segment = 3;
   options.min_point_fraction = 0.1;
   options.gain_t = 0.97;
-  for (const auto& [name, cloud] : test::allShapes(700)) {
+  for (const auto& [name, cloud] : test::allShapes(500)) {
     SCOPED_TRACE(name);
     expectSameTree(decompose(cloud, options), plainTree(cloud, options));
   }

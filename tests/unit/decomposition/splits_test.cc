@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <numbers>
 
-#include "boxgrasp/decomposition/angular_sweep.h"
 #include "boxgrasp/decomposition/cut_lines.h"
 #include "boxgrasp/geometry/min_volume_box.h"
 #include "shapes.h"
