@@ -34,12 +34,12 @@ struct GraspQuality {
   bool force_closure = false;  // the origin is strictly inside the hull
 };
 
-// epsilon and nu (qhull); epsilon is exact for the linearised cones up to a few 1e-9 of the largest wrench. No contacts are no
+// epsilon and nu; epsilon is exact for the linearised cones up to a few 1e-9 of the largest wrench. No contacts are no
 // force closure. Throws InputError for bad options, non-finite contacts, normals that are not of unit length, or a
 // Minkowski sum (linf) of more than 10,000 points: four contacts of eight edges fit, and take seconds.
 GraspQuality graspQuality(const std::vector<Contact>& contacts, const WrenchOptions& options = {});
 
-// Only whether the grasp is in force closure, which is the same under both norms; hundreds of times faster than
+// Only whether the grasp is in force closure, which is the same under both norms; many times faster than
 // graspQuality, without a hull. The two answers can differ only where epsilon, over the largest wrench, is below
 // about 1e-7: there this one may already say no. The same errors, but for the limit of the sum.
 bool forceClosure(const std::vector<Contact>& contacts, const WrenchOptions& options = {});
