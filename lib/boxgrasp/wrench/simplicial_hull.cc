@@ -19,8 +19,11 @@ constexpr int kMostFacets = 32768;  // bounds time and memory; sixteen contacts 
 
 using Six = std::array<int, 6>;
 
+// 6 if there is none. Looks at all six: faster than a branch that is taken at random.
 int indexOf(const Six& values, int value) {
-  return static_cast<int>(std::find(values.begin(), values.end(), value) - values.begin());
+  int result = 6;
+  for (int i = 0; i < 6; ++i) result = values[i] == value ? i : result;
+  return result;
 }
 
 struct Facet {
@@ -73,7 +76,7 @@ class Hull {
     return {planes_.col(facet).data() + kValues, points_.cols()};
   }
   double value(int facet, int point) const { return planes_(kValues + point, facet); }
-  void normalise(int facet) { planes_.col(facet) /= values(facet).cwiseAbs().maxCoeff(); }
+  void normalise(int facet) { planes_.col(facet) *= 1.0 / values(facet).cwiseAbs().maxCoeff(); }
 
   bool isVisible(int facet) const { return facets_[facet].state == Facet::State::visible; }
 
