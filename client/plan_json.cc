@@ -20,6 +20,7 @@ Json jointsJson(const double (&joints)[4]) {
 Json contactJson(const contact_t& contact, int finger) {
   return {{"position_m", numbers(contact.position_m)},
           {"normal", numbers(contact.normal)},
+          {"seen", contact.seen != 0},
           {"finger", fmt::format("f{}", finger + 1)}};
 }
 

@@ -28,8 +28,9 @@ std::string graspText(const grasp_t& grasp, int rank) {
                       joints[0] * kDegrees, joints[1] * kDegrees, joints[2] * kDegrees, joints[3] * kDegrees);
   for (int finger = 0; finger < 3; ++finger)
     text +=
-        fmt::format("     contact   f{} {} m   normal {}\n", finger + 1,
-                    vectorText(grasp.contacts[finger].position_m), vectorText(grasp.contacts[finger].normal));
+        fmt::format("     contact   f{} {} m   normal {}{}\n", finger + 1,
+                    vectorText(grasp.contacts[finger].position_m), vectorText(grasp.contacts[finger].normal),
+                    grasp.contacts[finger].seen ? "" : "   behind what was seen");
   text += "     quality  ";
   for (int i = 0; i < 9; ++i) text += fmt::format(" q{} {:.3g}", i + 1, grasp.quality[i]);
   return text + "\n";

@@ -40,6 +40,18 @@ Touch touch(const Vector3d& p_C, const Vector3d& inward_C, const PointGrid& obje
   return {{touched_C, std::copysign(1.0, cosine) * surface->normal}, std::nullopt};
 }
 
+// The outline stands for a wall that the sensor cannot see, where a point of the cloud is near enough.
+Touch touchUnseen(const Vector3d& p_C, const Vector3d& inward_C, const PointGrid& object_C, double spacing_m,
+                  const ContactOptions& options) {
+  if (!object_C.nearest(p_C, std::max(options.search_m, spacing_m)))
+    return {{}, ContactRejection::no_surface};
+  return {{p_C, inward_C, false}, std::nullopt};
+}
+
+bool turnedAway(const Vector3d& p_C, const Vector3d& inward_C, const std::optional<Vector3d>& viewpoint_C) {
+  return viewpoint_C && inward_C.dot(*viewpoint_C - p_C) > 0;
+}
+
 }  // namespace
 
 void ContactOptions::validate() const {
@@ -61,14 +73,17 @@ std::string_view describe(ContactRejection rejection) {
 }
 
 Contacts findContacts(const Face& face, const Triplet& triplet, const HandConfiguration& configuration,
-                      const PointGrid& object_C, double spacing_m, const ContactOptions& options) {
+                      const PointGrid& object_C, double spacing_m, const std::optional<Vector3d>& viewpoint_C,
+                      const ContactOptions& options) {
   Contacts result;
   for (int finger = 0; finger < 3; ++finger) {
     const int point = configuration.point_of_finger[finger];
     const Vector2d &p_F = triplet.points_F[point], &n_F = triplet.normals_F[point];
     const Vector3d p_C = face.X_CF * Vector3d(p_F.x(), p_F.y(), configuration.depth_m[finger]);
     const Vector3d n_C = face.X_CF.linear() * Vector3d(n_F.x(), n_F.y(), 0.0);
-    const Touch found = touch(p_C, n_C, object_C, spacing_m, options);
+    Touch found = touch(p_C, n_C, object_C, spacing_m, options);
+    if (found.rejection && turnedAway(p_C, n_C, viewpoint_C))
+      found = touchUnseen(p_C, n_C, object_C, spacing_m, options);
     if (found.rejection) return {{}, found.rejection};
     result.contacts[finger] = found.contact;
   }

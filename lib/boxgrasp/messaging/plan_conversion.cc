@@ -43,6 +43,7 @@ grasp_t toMessage(const Grasp& grasp, int first_box) {
   for (int finger = 0; finger < 3; ++finger) {
     put(grasp.contacts[finger].p_C, message.contacts[finger].position_m);
     put(grasp.contacts[finger].normal_C, message.contacts[finger].normal);
+    message.contacts[finger].seen = grasp.contacts[finger].seen;
   }
   put(grasp.approach_C, message.approach);
   std::copy(grasp.quality.begin(), grasp.quality.end(), message.quality);

@@ -51,7 +51,8 @@ constexpr WireField kPointCloudFields[] = {
     many("data", byte, "data_size", kMaxMessageBytes),
 };
 
-constexpr WireField kContactFields[] = {fixed("position_m", float64, 3), fixed("normal", float64, 3)};
+constexpr WireField kContactFields[] = {fixed("position_m", float64, 3), fixed("normal", float64, 3),
+                                        one("seen", boolean)};
 constexpr WireLayout kContact{"contact_t", kContactFields};
 
 constexpr WireField kGraspFields[] = {

@@ -168,7 +168,8 @@ class HypothesisSearch {
   void graspObject(int index, const PointGrid& scene_grid_C) {
     const PlannedObject& object = result_.objects[index];
     const PointGrid object_grid_C(object.cloud_C, kObjectCell_m);
-    const FaceWork work{hand_, options_, object, index, object_grid_C, scene_grid_C, stop_};
+    const FaceWork work{hand_, options_, object, index, object_grid_C, scene_grid_C, request_.viewpoint_C,
+                        stop_};
     const std::vector<FaceDecision> decisions = facesOf(object, scene_grid_C);
 
     std::vector<std::vector<Grasp>> grasps(decisions.size());

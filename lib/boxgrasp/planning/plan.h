@@ -34,8 +34,8 @@ struct PlannerOptions {
   DepthModel depth_model = DepthModel::exact;
   bool require_force_closure =
       true;  // drop grasps whose contacts are not in force closure; off: the network alone decides
-  double merge_distance_m = 0.015;  // grasps whose palms and contacts are all nearer than this ...
-  double merge_angle_rad = 0.35;    // ... and whose palms turn less than this are one grasp; the best stays
+  double merge_distance_m = 0.010;  // grasps whose palms and contacts are all nearer than this ...
+  double merge_angle_rad = 0.26;    // ... and whose palms turn less than this are one grasp; the best stays
   int threads = 0;                  // 0 = all cores; the result does not depend on it
   void validate() const;
 };

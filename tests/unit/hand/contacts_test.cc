@@ -47,9 +47,9 @@ Face faceAt(const Pose& X_CF) {
 }
 
 Contacts contactsOn(const PointCloud& cloud_F, const Planned& plan, double spacing = kSpacing_m,
-                    const ContactOptions& options = {}) {
+                    const std::optional<Vector3d>& viewpoint_F = std::nullopt) {
   return findContacts(faceAt(Pose::Identity()), plan.triplet, plan.configuration, PointGrid(cloud_F, kCell_m),
-                      spacing, options);
+                      spacing, viewpoint_F);
 }
 
 // Planned a little inside or outside of the surface, the contact lies on it, and its normal points to the
@@ -64,7 +64,7 @@ TEST(FindContacts, LieOnTheSurfaceAndPointIntoTheObject) {
       const Pose X_CF = test::randomPose(random);
       const PointCloud cloud_C = transformed(cloud_F, X_CF);
       const Contacts found = findContacts(faceAt(X_CF), plan.triplet, plan.configuration,
-                                          PointGrid(cloud_C, kCell_m), kSpacing_m);
+                                          PointGrid(cloud_C, kCell_m), kSpacing_m, std::nullopt);
       ASSERT_FALSE(found.rejection);
       for (int finger = 0; finger < 3; ++finger) {
         const int point = plan.configuration.point_of_finger[finger];
@@ -111,6 +111,34 @@ TEST(FindContacts, RefuseASurfaceThatFacesAway) {
   ASSERT_FALSE(gentle.rejection);
   EXPECT_NEAR(gentle.contacts[0].normal_C.z(), std::sin(0.9), 1e-3)
       << "into the object: down, where it leans towards the hand";
+}
+
+// The top of a disc seen from straight above its middle: no wall is seen. From far to one side, the walls on
+// that side would be in the cloud if they were there.
+TEST(FindContacts, TakeTheOutlineForWallsThatTheSensorCannotSee) {
+  const double radius = 0.04;
+  PointCloud top_F;
+  for (double x = -radius; x <= radius; x += 0.001) {
+    for (double y = -radius; y <= radius; y += 0.001) {
+      if (std::hypot(x, y) <= radius) top_F.push({x, y, 0.03});
+    }
+  }
+  const Planned plan = planned(radius, 0.032);
+  EXPECT_EQ(contactsOn(top_F, plan).rejection, ContactRejection::facing_away)
+      << "nothing is known of the sensor";
+  const Contacts found = contactsOn(top_F, plan, kSpacing_m, Vector3d(0, 0, -1));
+  ASSERT_FALSE(found.rejection);
+  for (int finger = 0; finger < 3; ++finger) {
+    const int point = plan.configuration.point_of_finger[finger];
+    EXPECT_FALSE(found.contacts[finger].seen);
+    EXPECT_LT((found.contacts[finger].normal_C.head<2>() - plan.triplet.normals_F[point]).norm(), 1e-9);
+    EXPECT_LT((found.contacts[finger].p_C.head<2>() - plan.triplet.points_F[point]).norm(), 1e-9);
+  }
+  EXPECT_TRUE(contactsOn(top_F, plan, kSpacing_m, Vector3d(10, 0, 0.03)).rejection)
+      << "one finger's wall would be seen";
+  EXPECT_EQ(contactsOn(top_F, planned(radius, 0.04), kSpacing_m, Vector3d(0, 0, -1)).rejection,
+            ContactRejection::no_surface)
+      << "10 mm below all that was seen";
 }
 
 // A cloud with a point every 8 mm has too few neighbours within 8 mm: the neighbourhood grows.
