@@ -1,0 +1,82 @@
+// The hand as bodies in a physical world: four motors, three of which close one finger each.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "boxgrasp/simulation/physics.h"
+#include "boxgrasp/simulation/touch.h"
+
+namespace boxgrasp {
+
+// How a finger is driven (definitions, 3.3). One motor turns both joints: until the clutch opens, the outer
+// by `coupling` of the inner. The clutch opens when the inner joint's load reaches breakaway_torque_nm; the
+// inner link then stays, its worm gear not to be driven backwards below the hand's load limit, and the motor
+// goes on to turn the outer link alone, faster, since the sum of both angles follows the motor.
+struct DriveOptions {
+  double closing_rate_rad_s = 2.44;  // of the inner joint: the real hand closes in about a second
+  double breakaway_torque_nm = 0.5;  // of the clutch, at the inner joint; GraspIt!'s value
+  double stalled_share = 0.1;        // a joint slower than this share of its rate ...
+  double stalled_time_s = 0.02;      // ... for this long has stalled
+  void validate() const;
+};
+
+enum class DriveState { closing, clutch_open, stalled };
+
+struct DrivenFinger {
+  BodyId inner = nullptr, outer = nullptr;
+  HingeId inner_hinge = nullptr, outer_hinge = nullptr;
+  double inner_start = 0.0, outer_start = 0.0;  // the joint angles at which the hinges were added
+  DriveState state = DriveState::closing;
+  bool paused = false;
+  double lock_angle = 0.0;  // of the inner hinge, once the clutch is open
+  double slow_time_s = 0.0;
+};
+
+struct DrivenPart {
+  HandPart part;  // in the frame of its body
+  BodyId body = nullptr;
+};
+
+class DrivenHand {
+ public:
+  // With the palm in pose X_WP and these joints; the spread stays as it is. Keeps a reference to the world.
+  DrivenHand(const HandDescription& hand, const HandJoints& joints, const Pose& X_WP,
+             const DriveOptions& options, PhysicsWorld& world);
+
+  // Sets the motors for the next step and follows clutches and stalls; the motors press on after they
+  // stalled.
+  void drive();
+  bool stalled() const;
+
+  // Stops the finger of this part of the hand, with no more than the clutch's torque; the palm and the
+  // knuckles on it stop nothing.
+  void pause(std::size_t part);
+  void resume();       // all fingers
+  bool waits() const;  // every finger is paused or has stalled
+
+  HandJoints joints() const;
+  std::array<double, 3> outerJoints() const;
+  BodyId palm() const { return palm_; }
+  const std::vector<DrivenPart>& parts() const { return parts_; }
+  const std::array<DrivenFinger, 3>& fingers() const { return fingers_; }
+
+  // Links of different fingers that meet, without friction.
+  std::vector<PhysicalContact> selfContacts() const;
+
+ private:
+  void addFinger(int finger, const HandJoints& joints, const HandGeometry& geometry, const Pose& X_WP);
+  BodyId addLink(const Capsule& link_P, double mass_kg, const Pose& X_WP);
+  void driveFinger(DrivenFinger& finger);
+  void follow(DrivenFinger& finger);
+
+  HandDescription hand_;
+  DriveOptions options_;
+  PhysicsWorld& world_;
+  double spread_;
+  BodyId palm_ = nullptr;
+  std::array<DrivenFinger, 3> fingers_;
+  std::vector<DrivenPart> parts_;
+};
+
+}  // namespace boxgrasp

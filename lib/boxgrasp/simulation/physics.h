@@ -1,0 +1,84 @@
+// Rigid bodies in motion: the little of the Open Dynamics Engine that a grasp needs.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "boxgrasp/geometry/pose.h"
+
+struct dxBody;
+struct dxJoint;
+
+namespace boxgrasp {
+
+using BodyId = dxBody*;    // of one world, valid as long as that
+using HingeId = dxJoint*;  // likewise
+
+struct Twist {
+  Vector3d velocity_W = Vector3d::Zero();          // of the body's origin, m/s
+  Vector3d angular_velocity_W = Vector3d::Zero();  // rad/s
+};
+
+// Stiffness and damping of the surfaces in contact, so that what happens does not depend on the step.
+struct ContactMaterial {
+  double stiffness = 2e4;  // N/m: 15 N press a rubber pad in by 0.75 mm
+  double damping = 50.0;   // N s/m: critical for 30 g on one contact
+};
+
+struct PhysicalContact {
+  BodyId pushed = nullptr, pusher = nullptr;
+  Vector3d p_W = Vector3d::Zero();
+  Vector3d normal_W = Vector3d::Zero();  // unit, from the pusher into the pushed body
+  double depth = 0.0;                    // metres; negative: apart
+  double friction = 0.0;
+};
+
+// One world W without gravity. Not shared between threads, but many may run at once. Everything is
+// deterministic: the exact solver of mixed linear complementarity problems takes no random numbers.
+class PhysicsWorld {
+ public:
+  explicit PhysicsWorld(double step_s, const ContactMaterial& material = {});
+  ~PhysicsWorld();
+  PhysicsWorld(const PhysicsWorld&) = delete;
+  PhysicsWorld& operator=(const PhysicsWorld&) = delete;
+
+  // The body's origin is its centre of mass; the inertia is about it, in the body's axes.
+  BodyId addBody(double mass_kg, const Matrix3d& inertia_B, const Pose& X_WB);
+  // Of infinite mass: moves as moveTo() says, and nothing can stop it.
+  BodyId addKinematicBody(const Pose& X_WB);
+  // The angle is 0 in the poses at the time of adding, grows as the child turns about the axis, and stays
+  // within [lowest, highest].
+  HingeId addHinge(BodyId parent, BodyId child, const Vector3d& anchor_W, const Vector3d& axis_W,
+                   double lowest, double highest);
+
+  // Drives the hinge at this rate, in rad/s, with at most this torque, in N m, until driven otherwise.
+  void drive(HingeId hinge, double rate, double torque);
+  double angle(HingeId hinge) const;
+  double rate(HingeId hinge) const;
+
+  // Holds the body where it is, as friction on a support would, with at most this force and torque about each
+  // axis; release() lets it go.
+  void hold(BodyId body, double force, double torque);
+  void release();
+
+  // Brings a kinematic body to this pose during the next step.
+  void moveTo(BodyId body, const Pose& X_WB);
+  void setTwist(BodyId body, const Twist& twist);
+  void push(BodyId body, const Vector3d& force_W);  // at its centre of mass, during the next step
+
+  Pose pose(BodyId body) const;
+  Twist twist(BodyId body) const;
+  Vector3d velocityAt(BodyId body, const Vector3d& p_W) const;
+
+  // Takes one step with these contacts; returns the force of each on its pushed body, in W.
+  std::vector<Vector3d> step(const std::vector<PhysicalContact>& contacts);
+  double stepSize() const { return step_s_; }
+
+ private:
+  struct Impl;
+  double step_s_;
+  ContactMaterial material_;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace boxgrasp

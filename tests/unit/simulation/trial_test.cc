@@ -1,0 +1,218 @@
+#include "boxgrasp/simulation/trial.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <numbers>
+
+#include "boxgrasp/base/error.h"
+#include "boxgrasp/base/parallel.h"
+#include "solids.h"
+
+namespace boxgrasp {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double kPi = std::numbers::pi;
+
+// From above, the palm's z down and its y along -y of O, at (0, y) and this high above the origin.
+TrialInput fromAbove(double height_m, double spread, double y_m = 0.0, double open = 0.5) {
+  TrialInput input;
+  input.X_OP =
+      makePose(Eigen::AngleAxisd(kPi, Vector3d::UnitX()).toRotationMatrix(), Vector3d(0, y_m, height_m));
+  input.pregrasp = {spread, {open, open, open}};
+  return input;
+}
+
+const SimulatedObject& ball() {
+  static const SimulatedObject object = makeSimulatedObject(sphereMesh(0.04, 24));
+  return object;
+}
+
+// Between parallel fingers: 60 mm across, taller than the fingers reach around.
+const SimulatedObject& block() {
+  static const SimulatedObject object = makeSimulatedObject(boxMesh({0.09, 0.06, 0.12}));
+  return object;
+}
+
+TrialOptions closingOnly() {
+  TrialOptions options;
+  options.last_stage = TrialStage::close;
+  return options;
+}
+
+Vector3d sumOfForces(const TrialResult& result) {
+  Vector3d sum = Vector3d::Zero();
+  for (const TrialContact& contact : result.contacts) sum += contact.force_O;
+  return sum;
+}
+
+Vector3d sumOfTorques(const TrialResult& result, const Vector3d& about_O) {
+  Vector3d sum = Vector3d::Zero();
+  for (const TrialContact& contact : result.contacts) sum += (contact.p_O - about_O).cross(contact.force_O);
+  return sum;
+}
+
+// A ball in the middle of three fingers at 120 degrees: the spread axes are 25 mm beside the hand's, so that
+// the fingers' planes meet 25 cot(60 deg) mm towards the thumb.
+TEST(Trial, BallBetweenThreeFingersIsTouchedThreeTimesNearItsEquator) {
+  const TrialInput input = fromAbove(0.09, kPi / 3, -0.025 / std::tan(kPi / 3));
+  const TrialResult result = runTrial(barrettHand(), ball(), input);
+  EXPECT_EQ(result.outcome, TrialOutcome::held) << result.report;
+  ASSERT_EQ(result.contacts.size(), 3u);
+  for (int finger = 0; finger < 3; ++finger) {
+    const TrialContact& contact = result.contacts[finger];
+    EXPECT_EQ(contact.finger, finger);
+    EXPECT_NEAR(contact.p_O.norm(), 0.04, 3e-4) << "not on the ball";
+    EXPECT_LT(std::abs(contact.p_O.z()), 0.012) << "far from the equator";
+    EXPECT_GT(contact.normal_O.dot(-contact.p_O.normalized()), 0.99);
+    const double pressed = contact.force_O.dot(contact.normal_O);
+    EXPECT_LE((contact.force_O - pressed * contact.normal_O).norm(), 0.5 * pressed * std::sqrt(2.0) + 1e-9);
+  }
+  EXPECT_LT(sumOfForces(result).norm(), 0.05) << sumOfForces(result).transpose();
+  EXPECT_LT(sumOfTorques(result, ball().center_O).norm(), 0.005);
+  EXPECT_TRUE(result.quality.force_closure);
+  EXPECT_GT(result.quality.epsilon, 0.1);
+}
+
+TEST(Trial, MirrorImageOfTheHandGivesTheMirrorImageOfTheGrasp) {
+  const TrialResult result = runTrial(barrettHand(), block(), fromAbove(0.13, 0.0), closingOnly());
+  EXPECT_NEAR(result.joints.inner[kF1], result.joints.inner[kF2], 1e-3);
+  EXPECT_NEAR(result.outer[kF1], result.outer[kF2], 1e-2);
+}
+
+TEST(Trial, HeldBlockComesThroughLiftShakeAndPull) {
+  const TrialResult result = runTrial(barrettHand(), block(), fromAbove(0.13, 0.0));
+  EXPECT_EQ(result.outcome, TrialOutcome::held) << result.report;
+  EXPECT_TRUE(result.stalled);
+  EXPECT_LT(result.lift_slip_m, 0.003);
+  EXPECT_LT(result.lift_rotation_rad, 0.05);
+  // Two fingers against one with at most some 15 N at the tips, friction 0.5: less than 2 * 0.5 * 2 * 20 N.
+  EXPECT_GT(result.push_force_n, 5.0);
+  EXPECT_LT(result.push_force_n, 40.0);
+}
+
+TEST(Trial, WithoutFrictionTheBlockFallsOut) {
+  TrialOptions options;
+  options.scene.friction = 0.0;
+  const TrialResult result = runTrial(barrettHand(), block(), fromAbove(0.13, 0.0), options);
+  EXPECT_EQ(result.outcome, TrialOutcome::lost_in_lift) << result.report;
+  EXPECT_FALSE(result.quality.force_closure);
+}
+
+TEST(Trial, TooHeavyABlockIsLost) {
+  const SimulatedObject lead =
+      makeSimulatedObject(boxMesh({0.09, 0.06, 0.12}), {.density_kg_m3 = 11340, .field = {}});
+  const TrialResult result = runTrial(barrettHand(), lead, fromAbove(0.13, 0.0));
+  EXPECT_EQ(result.outcome, TrialOutcome::lost_in_lift) << result.report;
+}
+
+TEST(Trial, ClosingOnNothingEndsAtTheLimits) {
+  const HandDescription& hand = barrettHand();
+  const TrialResult result = runTrial(hand, ball(), fromAbove(1.0, 0.0));
+  EXPECT_EQ(result.outcome, TrialOutcome::missed);
+  EXPECT_TRUE(result.stalled);
+  EXPECT_TRUE(result.contacts.empty());
+  for (int finger = 0; finger < 3; ++finger) {
+    EXPECT_NEAR(result.joints.inner[finger], hand.inner_max, 0.01) << "finger " << finger;
+    EXPECT_NEAR(result.outer[finger], hand.outer_max, 0.01) << "finger " << finger;
+  }
+}
+
+TEST(Trial, FingersThatMeetStopEachOther) {
+  const TrialResult result = runTrial(barrettHand(), ball(), fromAbove(1.0, kPi / 3));
+  EXPECT_EQ(result.outcome, TrialOutcome::missed);
+  EXPECT_LT(result.joints.inner[kF1], barrettHand().inner_max - 0.1);
+}
+
+// The palm is to end 20 mm inside the ball; the thumb's knuckle, of 12.4 mm radius about 4.6 mm below the
+// palm, meets the ball's top before it, and a millimetre is grazing.
+constexpr double kKnuckleShort = 0.02 + 0.0124 - 0.0046 - 0.001;
+
+TEST(Trial, TouchOnTheWayIsACollision) {
+  const TrialResult result = runTrial(barrettHand(), ball(), fromAbove(0.02, 0.0));
+  EXPECT_EQ(result.outcome, TrialOutcome::collided);
+  EXPECT_EQ(result.touched, "thumb knuckle");
+  EXPECT_NEAR(result.stopped_short_m, kKnuckleShort, 0.002);
+  EXPECT_THAT(result.report, HasSubstr("thumb knuckle touched"));
+}
+
+TEST(Trial, HandThatBacksUpFromATouchClosesThere) {
+  TrialOptions options = closingOnly();
+  options.back_up_on_touch = true;
+  const TrialResult result = runTrial(barrettHand(), ball(), fromAbove(0.02, 0.0), options);
+  EXPECT_EQ(result.outcome, TrialOutcome::held) << result.report;
+  EXPECT_NEAR(result.stopped_short_m, kKnuckleShort + options.back_up_m, 0.002);
+}
+
+bool sameBits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+void expectSame(const TrialResult& a, const TrialResult& b) {
+  EXPECT_EQ(a.outcome, b.outcome);
+  EXPECT_EQ(a.report, b.report);
+  EXPECT_TRUE(sameBits(a.lift_slip_m, b.lift_slip_m));
+  EXPECT_TRUE(sameBits(a.push_force_n, b.push_force_n));
+  EXPECT_TRUE(sameBits(a.quality.epsilon, b.quality.epsilon));
+  ASSERT_EQ(a.contacts.size(), b.contacts.size());
+  for (std::size_t i = 0; i < a.contacts.size(); ++i) {
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_TRUE(sameBits(a.contacts[i].p_O[k], b.contacts[i].p_O[k]));
+      EXPECT_TRUE(sameBits(a.contacts[i].force_O[k], b.contacts[i].force_O[k]));
+    }
+  }
+}
+
+TEST(Trial, IsTheSameToTheBitInEveryRunAndOnEveryThread) {
+  const std::vector<TrialInput> inputs{fromAbove(0.09, 0.0), fromAbove(0.075, kPi / 3), fromAbove(0.1, 0.4),
+                                       fromAbove(0.08, 0.2, 0.01)};
+  std::vector<TrialResult> alone(inputs.size()), together(2 * inputs.size());
+  for (std::size_t i = 0; i < inputs.size(); ++i) alone[i] = runTrial(barrettHand(), ball(), inputs[i]);
+  parallelFor(together.size(), 2, [&](std::size_t i) {
+    together[i] = runTrial(barrettHand(), ball(), inputs[(5 * i) % inputs.size()]);
+  });
+  for (std::size_t i = 0; i < together.size(); ++i) expectSame(together[i], alone[(5 * i) % inputs.size()]);
+}
+
+TEST(Trial, StopsWhenToldTo) {
+  const StopToken expired(StopToken::Clock::now() - std::chrono::seconds(1));
+  EXPECT_THROW(runTrial(barrettHand(), ball(), fromAbove(0.09, 0.0), {}, expired), Stopped);
+  const StopToken soon(StopToken::Clock::now() + std::chrono::milliseconds(5));
+  TrialOptions long_wait;
+  long_wait.wait_time_s = 1e6;
+  EXPECT_THROW(runTrial(barrettHand(), ball(), fromAbove(0.09, 0.0), long_wait, soon), Stopped);
+}
+
+std::string refusal(const TrialInput& input, const TrialOptions& options) {
+  try {
+    runTrial(barrettHand(), ball(), input, options);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "not refused";
+}
+
+TEST(Trial, RefusesBadOptionsAndInputByName) {
+  TrialOptions options;
+  options.scene.step_s = 0.1;
+  EXPECT_THAT(refusal(fromAbove(0.09, 0), options), HasSubstr("step_s"));
+  options = {};
+  options.lift_acceleration_m_s2 = 0;
+  EXPECT_THAT(refusal(fromAbove(0.09, 0), options), HasSubstr("lift_acceleration_m_s2"));
+  options = {};
+  options.scene.drive.breakaway_torque_nm = -1;
+  EXPECT_THAT(refusal(fromAbove(0.09, 0), options), HasSubstr("breakaway_torque_nm"));
+  EXPECT_THAT(refusal(fromAbove(0.09, 4.0), {}), HasSubstr("spread"));
+  EXPECT_THAT(refusal(fromAbove(0.09, 0, 0, -0.5), {}), HasSubstr("inner joint"));
+  EXPECT_THAT(refusal(fromAbove(NAN, 0), {}), HasSubstr("not finite"));
+  TrialInput sheared = fromAbove(0.09, 0);
+  sheared.X_OP.linear()(0, 1) = 0.5;
+  EXPECT_THAT(refusal(sheared, {}), HasSubstr("rotation"));
+  TrialInput weightless = fromAbove(0.09, 0);
+  weightless.gravity_O.setZero();
+  EXPECT_THAT(refusal(weightless, {}), HasSubstr("gravity"));
+}
+
+}  // namespace
+}  // namespace boxgrasp
