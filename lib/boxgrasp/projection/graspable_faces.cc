@@ -38,10 +38,17 @@ bool near(const Face& face, const OrientedBox& box) {
   return (box.X_CB.translation() - face.X_CF.translation()).norm() <= reach;
 }
 
+bool isWithin(const BoxTree& tree, int node, int ancestor) {
+  while (node >= 0 && node != ancestor) node = tree.nodes[node].parent;
+  return node == ancestor;
+}
+
+// The leaf boxes near a face that are not part of its own box.
 std::vector<const OrientedBox*> neighbours(const Face& face, const BoxTree& tree) {
   std::vector<const OrientedBox*> boxes;
   for (const int leaf : tree.leaves()) {
-    if (leaf != face.node && near(face, tree.nodes[leaf].box)) boxes.push_back(&tree.nodes[leaf].box);
+    const OrientedBox& box = tree.nodes[leaf].box;
+    if (near(face, box) && !isWithin(tree, leaf, face.node)) boxes.push_back(&box);
   }
   return boxes;
 }
@@ -159,11 +166,12 @@ std::vector<FaceDecision> graspableFaces(const BoxTree& tree, const PointGrid& s
                                          const StopToken& stop) {
   options.validate();
   std::vector<FaceDecision> decisions;
-  for (const int leaf : tree.leaves()) {
+  for (int node = 0; node < static_cast<int>(tree.nodes.size()); ++node) {
+    if (!options.inner_boxes && !tree.nodes[node].leaf()) continue;
     for (int axis = 0; axis < 3; ++axis) {
       for (const int sign : {-1, 1}) {
         stop.check();
-        const Face face = faceOf(tree.nodes[leaf].box, leaf, axis, sign);
+        const Face face = faceOf(tree.nodes[node].box, node, axis, sign);
         decisions.push_back({face, rejectionOf(face, tree, scene, surroundings, options)});
       }
     }

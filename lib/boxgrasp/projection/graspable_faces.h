@@ -1,4 +1,4 @@
-// The faces of leaf boxes from which a hand may approach (paper III, "valid in terms of visibility,
+// The faces of boxes from which a hand may approach (paper III, "valid in terms of visibility,
 // reachability, and more").
 #pragma once
 
@@ -12,11 +12,11 @@
 
 namespace boxgrasp {
 
-// A face of a leaf box. Frame F: origin at the face's centre, z into the box (the approach direction), x
+// A face of a box. Frame F: origin at the face's centre, z into the box (the approach direction), x
 // along the longer edge of the face, y = z cross x: seen from outside, x points right and y down, like the
 // columns and rows of its image.
 struct Face {
-  int node = -1;  // index of the leaf in BoxTree::nodes
+  int node = -1;  // index of the box in BoxTree::nodes
   int axis = -1;  // box axis that the face is normal to: 0, 1 or 2
   int sign = 0;   // +1 or -1: the side of the box along that axis
   Pose X_CF = Pose::Identity();
@@ -37,6 +37,9 @@ enum class FaceRejection {
 std::string_view describe(FaceRejection rejection);  // e.g. "face blocked by other points"
 
 struct FaceOptions {
+  // The faces of inner boxes of the tree count too: coarser views of the object, for grasps that span several
+  // of its parts. false: leaf boxes alone, as in the paper.
+  bool inner_boxes = true;
   // The smaller edge of a face may not be longer: twice the Barrett hand's practical reach.
   double max_aperture_m = 0.20;
   // The smaller edge may not be shorter: nothing to press against.
@@ -70,8 +73,8 @@ struct Surroundings {
   std::optional<Vector3d> viewpoint_C;  // where the sensor stood; unknown: no face is rejected as hidden
 };
 
-// All six faces of every leaf, in order of leaf, axis, sign (-1 first), each with the reason for its
-// rejection, if any. A face with several reasons tells the first of: its size, hidden, supported, shared,
+// All six faces of every box that counts, in order of node, axis, sign (-1 first), each with the reason for
+// its rejection, if any. A face with several reasons tells the first of: its size, hidden, supported, shared,
 // blocked (from the cheapest test to the dearest). `scene` holds every point that a hand could meet: the
 // object, its neighbours, the table.
 std::vector<FaceDecision> graspableFaces(const BoxTree& tree, const PointGrid& scene,

@@ -36,7 +36,8 @@ BoxTree treeOf(const std::vector<OrientedBox>& leaves) {
 }
 
 std::vector<FaceDecision> decide(const BoxTree& tree, const PointCloud& scene,
-                                 const Surroundings& around = {}, const FaceOptions& options = {}) {
+                                 const Surroundings& around = {}, FaceOptions options = {}) {
+  options.inner_boxes = false;
   return graspableFaces(tree, PointGrid(scene, 0.01), around, options);
 }
 
@@ -216,6 +217,29 @@ TEST(GraspableFaces, EveryReasonHasItsOwnWords) {
   for (int i = 0; i <= static_cast<int>(FaceRejection::too_shallow); ++i)
     ++texts[describe(static_cast<FaceRejection>(i))];
   EXPECT_EQ(texts.size(), 8u);
+}
+
+// Two cubes side by side in one root box: the root's six faces count too, and are not shared with the cubes
+// inside it.
+TEST(GraspableFaces, CountInnerBoxesOnRequest) {
+  OrientedBox left, right, root;
+  left.extents = right.extents = Vector3d::Constant(0.05);
+  left.X_CB.translation().x() = -0.025;
+  right.X_CB.translation().x() = 0.025;
+  root.extents = {0.10, 0.05, 0.05};
+  BoxTree tree = treeOf({left, right});
+  tree.nodes[0].box = root;
+  const PointCloud no_points;
+  const PointGrid nothing(no_points, 0.01);
+  FaceOptions options;
+  options.inner_boxes = true;
+  std::map<int, int> graspable;
+  for (const FaceDecision& decision : graspableFaces(tree, nothing, {}, options))
+    graspable[decision.face.node] += decision.graspable();
+  EXPECT_EQ(graspable, (std::map<int, int>{{0, 6}, {1, 5}, {2, 5}}))
+      << "only the cubes' common faces are shared";
+  options.inner_boxes = false;
+  EXPECT_EQ(graspableFaces(tree, nothing, {}, options).size(), 12u);
 }
 
 }  // namespace
