@@ -12,11 +12,14 @@ static_assert(sizeof(dReal) == sizeof(double), "the engine must be built in doub
 
 // Hinges are held to their axes this well: share of an error that one step removes, and softness.
 constexpr double kHingeErp = 0.5;
-constexpr double kSoftness = 1e-9;
-// Slower slip has no direction.
-constexpr double kSlipSpeed = 1e-9;  // m/s
+constexpr double kSoftness = 1e-7;
+// What sticks creeps a little, in the direction that it is pushed: 0.1 mm/s under 5 N. So the tangent of
+// friction is that of the load before anything slips, and redundant contacts have one solution.
+constexpr double kCreep = 2e-5;      // m/s per newton
+constexpr double kSlipSpeed = 1e-7;  // m/s; slower slip has no direction
 
 void ignoreMessage(int, const char*, va_list) {}
+[[noreturn]] void fail(int, const char*, va_list) { throw PhysicsFailure(); }
 
 // The engine's memory of this thread. Its messages about badly conditioned steps would go to stderr, where a
 // library has no business; what they lead to shows in the poses.
@@ -25,6 +28,8 @@ void prepareThread() {
   std::call_once(once, [] {
     dInitODE2(0);
     dSetMessageHandler(&ignoreMessage);
+    dSetDebugHandler(&fail);  // otherwise the engine aborts the program
+    dSetErrorHandler(&fail);
   });
   thread_local const bool ready = dAllocateODEDataForThread(dAllocateFlagBasicData) != 0;
   assert(ready);
@@ -71,6 +76,7 @@ struct PhysicsWorld::Impl {
   dThreadingImplementationID threading;
   dWorldID world;
   dJointGroupID contacts, holds;
+  bool failed = false;  // in a step: the threading then holds unfinished work and cannot be freed
 
   Impl()
       : threading(dThreadingAllocateSelfThreadedImplementation()),
@@ -85,7 +91,7 @@ struct PhysicsWorld::Impl {
     dJointGroupDestroy(contacts);
     dJointGroupDestroy(holds);
     dWorldDestroy(world);
-    dThreadingFreeImplementation(threading);
+    if (!failed) dThreadingFreeImplementation(threading);
   }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
@@ -193,8 +199,10 @@ std::vector<Vector3d> PhysicsWorld::step(const std::vector<PhysicalContact>& con
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const PhysicalContact& from = contacts[i];
     dContact contact = {};
-    contact.surface.mode = dContactSoftERP | dContactSoftCFM | dContactApprox1;
+    contact.surface.mode =
+        dContactSoftERP | dContactSoftCFM | dContactSlip1 | dContactSlip2 | dContactApprox1;
     contact.surface.mu = from.friction;
+    contact.surface.slip1 = contact.surface.slip2 = kCreep;
     const double impulse = step_s_ * material_.stiffness + material_.damping;
     contact.surface.soft_erp = step_s_ * material_.stiffness / impulse;
     contact.surface.soft_cfm = 1.0 / impulse;
@@ -208,7 +216,9 @@ std::vector<Vector3d> PhysicsWorld::step(const std::vector<PhysicalContact>& con
     dJointAttach(joint, from.pushed, from.pusher);
     dJointSetFeedback(joint, &feedback[i]);
   }
+  impl_->failed = true;
   dWorldStep(impl_->world, step_s_);
+  impl_->failed = false;
   dJointGroupEmpty(impl_->contacts);
   std::vector<Vector3d> forces_W;
   for (const dJointFeedback& f : feedback) forces_W.push_back(vectorFrom(f.f1));

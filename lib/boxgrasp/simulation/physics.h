@@ -1,6 +1,7 @@
 // Rigid bodies in motion: the little of the Open Dynamics Engine that a grasp needs.
 #pragma once
 
+#include <exception>
 #include <memory>
 #include <vector>
 
@@ -13,6 +14,11 @@ namespace boxgrasp {
 
 using BodyId = dxBody*;    // of one world, valid as long as that
 using HingeId = dxJoint*;  // likewise
+
+// The engine could not solve a step. The world can be destroyed, but not stepped again.
+struct PhysicsFailure : std::exception {
+  const char* what() const noexcept override { return "the physics engine could not solve a step"; }
+};
 
 struct Twist {
   Vector3d velocity_W = Vector3d::Zero();          // of the body's origin, m/s
@@ -70,7 +76,8 @@ class PhysicsWorld {
   Twist twist(BodyId body) const;
   Vector3d velocityAt(BodyId body, const Vector3d& p_W) const;
 
-  // Takes one step with these contacts; returns the force of each on its pushed body, in W.
+  // Takes one step with these contacts; returns the force of each on its pushed body, in W. Throws
+  // PhysicsFailure.
   std::vector<Vector3d> step(const std::vector<PhysicalContact>& contacts);
   double stepSize() const { return step_s_; }
 

@@ -3,7 +3,7 @@
 namespace boxgrasp {
 
 GraspScene::GraspScene(const HandDescription& hand, const HandJoints& joints, const Pose& X_OP,
-                       const SimulatedObject& object, const SceneOptions& options)
+                       const SimulatedObject& object, const PhysicsOptions& options)
     : solid_(object),
       friction_(options.friction),
       world_(options.step_s, options.material),

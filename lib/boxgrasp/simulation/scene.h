@@ -17,7 +17,7 @@ struct SceneContact {
   Vector3d force_O = Vector3d::Zero();  // on the object, newtons
 };
 
-struct SceneOptions {
+struct PhysicsOptions {
   double step_s = 0.002;
   double friction = 0.5;
   ContactMaterial material;
@@ -30,7 +30,7 @@ class GraspScene {
  public:
   // With the palm in pose X_OP.
   GraspScene(const HandDescription& hand, const HandJoints& joints, const Pose& X_OP,
-             const SimulatedObject& object, const SceneOptions& options);
+             const SimulatedObject& object, const PhysicsOptions& options);
 
   // One step, in which the palm moves to X_WP and this force acts on the object's centre of mass. Returns the
   // contacts of hand and object during the step.

@@ -6,7 +6,7 @@
 namespace boxgrasp {
 namespace {
 
-constexpr double kSphereSpacing = 0.003;  // along a link: a 9 mm capsule is then true to 0.13 mm
+constexpr double kSphereSpacing = 0.001;  // along a link: touches move evenly along it
 constexpr double kPalmSpacing = 0.006;    // over the palm: an edge sinks in by 0.9 mm at most
 constexpr double kPalmRounding = 0.010;   // of the palm's rim
 constexpr double kApart = 0.008;          // touches nearer than this to another are no touch of their own

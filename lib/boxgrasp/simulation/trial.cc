@@ -64,6 +64,7 @@ class Trial {
   TrialResult run();
 
  private:
+  void runStages();
   bool approach();
   void touch();
   bool close();
@@ -152,7 +153,7 @@ void Trial::touch() {
 }
 
 bool Trial::close() {
-  scene_.emplace(hand_, input_.pregrasp, X_WP_, object_, options_.scene);
+  scene_.emplace(hand_, input_.pregrasp, X_WP_, object_, options_.physics);
   touch();
   const double force = options_.support_friction * weight_W().norm();
   scene_->world().hold(scene_->object(), force, force * object_.largest_distance_m);
@@ -181,16 +182,16 @@ void Trial::readHand() {
 
 bool Trial::letGo() {
   scene_->world().release();
-  const bool stays = rest(options_.settle_time_s, Vector3d::Zero());
+  const bool stays = rest(options_.settle_time_s, Vector3d::Zero()) && !scene_->contacts().empty();
   if (stays) readHand();
   result_.quality = qualityOf(result_.contacts);
-  return (stays && !result_.contacts.empty()) || ends(TrialOutcome::unstable);
+  return stays || ends(TrialOutcome::unstable);
 }
 
 GraspQuality Trial::qualityOf(const std::vector<TrialContact>& touches) const {
   std::vector<Contact> contacts;
   for (const TrialContact& touch : touches) contacts.push_back({touch.p_O, touch.normal_O});
-  return graspQuality(contacts, {.friction = options_.scene.friction,
+  return graspQuality(contacts, {.friction = options_.physics.friction,
                                  .cone_edges = options_.cone_edges,
                                  .norm = options_.norm,
                                  .p_CG = object_.center_O,
@@ -252,24 +253,34 @@ std::string reportOf(const TrialResult& result) {
                         result.lift_rotation_rad * 180 / std::numbers::pi);
   }
   if (!std::isnan(result.push_force_n)) text += fmt::format(", held {:.1f} N", result.push_force_n);
+  if (result.physics_failed) text += ", where the physics engine gave up";
   return text + fmt::format("; {} steps", result.steps);
 }
 
-TrialResult Trial::run() {
+void Trial::runStages() {
   const TrialStage last = options_.last_stage;
   const bool grasped = approach() && close() && letGo();
   const bool lifted = grasped && (last < TrialStage::lift || lift());
   const bool shaken = lifted && (last < TrialStage::shake || shake());
   if (shaken) result_.outcome = TrialOutcome::held;
   if (shaken && last >= TrialStage::push) push();
-  result_.simulated_s = static_cast<double>(result_.steps) * options_.scene.step_s;
+}
+
+TrialResult Trial::run() {
+  try {
+    runStages();
+  } catch (const PhysicsFailure&) {
+    result_.outcome = TrialOutcome::unstable;
+    result_.physics_failed = true;
+  }
+  result_.simulated_s = static_cast<double>(result_.steps) * options_.physics.step_s;
   result_.report = reportOf(result_);
   return std::move(result_);
 }
 
 }  // namespace
 
-void SceneOptions::validate() const {
+void PhysicsOptions::validate() const {
   requireOption(step_s > 0 && step_s <= 0.01, "step_s", step_s, "positive and at most 0.01");
   requireOption(friction >= 0, "friction", friction, "at least 0");
   requireOption(material.stiffness > 0, "stiffness", material.stiffness, "positive");
@@ -278,7 +289,7 @@ void SceneOptions::validate() const {
 }
 
 void TrialOptions::validate() const {
-  scene.validate();
+  physics.validate();
   const auto positive = [](std::string_view field, double value) {
     requireOption(value > 0 && std::isfinite(value), field, value, "positive");
   };

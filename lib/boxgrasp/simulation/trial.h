@@ -16,7 +16,7 @@ namespace boxgrasp {
 enum class TrialStage { close, lift, shake, push };
 
 struct TrialOptions {
-  SceneOptions scene;
+  PhysicsOptions physics;
   TrialStage last_stage =
       TrialStage::push;  // earlier: only the labels up to there, in a fraction of the time
   double gravity_m_s2 = 9.81;
@@ -97,7 +97,8 @@ struct TrialResult {
   double push_force_n = NAN;       // held before it slipped
   double simulated_s = 0.0;
   std::size_t steps = 0;
-  std::string report;  // one sentence
+  bool physics_failed = false;  // a step could not be solved; counts as unstable
+  std::string report;           // one sentence
 };
 
 // The same input gives the same result to the bit, on any thread. Throws InputError for bad options or input,

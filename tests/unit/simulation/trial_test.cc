@@ -96,7 +96,7 @@ TEST(Trial, HeldBlockComesThroughLiftShakeAndPull) {
 
 TEST(Trial, WithoutFrictionTheBlockFallsOut) {
   TrialOptions options;
-  options.scene.friction = 0.0;
+  options.physics.friction = 0.0;
   const TrialResult result = runTrial(barrettHand(), block(), fromAbove(0.13, 0.0), options);
   EXPECT_EQ(result.outcome, TrialOutcome::lost_in_lift) << result.report;
   EXPECT_FALSE(result.quality.force_closure);
@@ -195,13 +195,13 @@ std::string refusal(const TrialInput& input, const TrialOptions& options) {
 
 TEST(Trial, RefusesBadOptionsAndInputByName) {
   TrialOptions options;
-  options.scene.step_s = 0.1;
+  options.physics.step_s = 0.1;
   EXPECT_THAT(refusal(fromAbove(0.09, 0), options), HasSubstr("step_s"));
   options = {};
   options.lift_acceleration_m_s2 = 0;
   EXPECT_THAT(refusal(fromAbove(0.09, 0), options), HasSubstr("lift_acceleration_m_s2"));
   options = {};
-  options.scene.drive.breakaway_torque_nm = -1;
+  options.physics.drive.breakaway_torque_nm = -1;
   EXPECT_THAT(refusal(fromAbove(0.09, 0), options), HasSubstr("breakaway_torque_nm"));
   EXPECT_THAT(refusal(fromAbove(0.09, 4.0), {}), HasSubstr("spread"));
   EXPECT_THAT(refusal(fromAbove(0.09, 0, 0, -0.5), {}), HasSubstr("inner joint"));
