@@ -6,7 +6,6 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/optimal_bounding_box.h>
 #include <benchmark/benchmark.h>
-#include <libqhull_r/qhull_ra.h>
 
 #include <cmath>
 #include <ctime>
@@ -18,6 +17,7 @@
 #include "boxgrasp/geometry/canonical_frame.h"
 #include "boxgrasp/geometry/min_volume_box.h"
 #include "boxgrasp/geometry/triangle_mesh.h"
+#include "qhull_yardstick.h"
 #include "random_pose.h"
 
 namespace boxgrasp {
@@ -138,20 +138,8 @@ void cgalOrientedBoundingBoxOf(benchmark::State& state) {
 }
 
 void qhullOf(benchmark::State& state) {
-  const PointCloud& cloud = cloudOf(static_cast<int>(state.range(0)));
-  std::vector<coordT> coordinates;
-  for (std::size_t i = 0; i < cloud.size(); ++i)
-    coordinates.insert(coordinates.end(), {cloud.x[i], cloud.y[i], cloud.z[i]});
-  for (auto _ : state) {
-    qhT qhull;
-    qh_zero(&qhull, stderr);
-    char command[] = "qhull";
-    if (qh_new_qhull(&qhull, 3, static_cast<int>(kPoints), coordinates.data(), false, command, nullptr,
-                     stderr) != 0) {
-      throw std::runtime_error("qhull failed");
-    }
-    qh_freeqhull(&qhull, qh_ALL);
-  }
+  std::vector<coordT> coordinates = test::qhullCoordinates(cloudOf(static_cast<int>(state.range(0))));
+  for (auto _ : state) test::buildQhull(coordinates);
 }
 
 BENCHMARK(minVolumeBoxOf)->DenseRange(0, 2)->ArgName("shape")->Unit(benchmark::kMillisecond);
