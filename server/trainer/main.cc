@@ -4,15 +4,13 @@
 #include <CLI/CLI.hpp>
 
 #include "boxgrasp/base/error.h"
+#include "boxgrasp/base/exit_code.h"
 #include "sample_command.h"
 #include "train_command.h"
 
 namespace {
 
 using namespace boxgrasp;
-
-// The exit codes of all programs of Boxgrasp.
-enum ExitCode { kDone = 0, kUsage = 2, kBadInput = 3, kInternalError = 70 };
 
 std::string commandLine(int argc, char** argv) {
   std::string line = "boxgrasp-trainer";
