@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "boxgrasp/base/error.h"
 
@@ -33,6 +32,8 @@ double outerAngle(const HandDescription& hand, double inner) {
 
 void DriveOptions::validate() const {
   requireOption(closing_rate_rad_s > 0, "closing_rate_rad_s", closing_rate_rad_s, "positive");
+  requireOption(pressing_rate_rad_s > 0, "pressing_rate_rad_s", pressing_rate_rad_s, "positive");
+  requireOption(touch_torque_nm > 0, "touch_torque_nm", touch_torque_nm, "positive");
   requireOption(breakaway_torque_nm > 0, "breakaway_torque_nm", breakaway_torque_nm, "positive");
   requireOption(stalled_share > 0 && stalled_share < 1, "stalled_share", stalled_share, "between 0 and 1");
   requireOption(stalled_time_s > 0, "stalled_time_s", stalled_time_s, "positive");
@@ -40,7 +41,11 @@ void DriveOptions::validate() const {
 
 DrivenHand::DrivenHand(const HandDescription& hand, const HandJoints& joints, const Pose& X_WP,
                        const DriveOptions& options, PhysicsWorld& world)
-    : hand_(hand), options_(options), world_(world), spread_(joints.spread) {
+    : hand_(hand),
+      options_(options),
+      world_(world),
+      spread_(joints.spread),
+      rate_(options.closing_rate_rad_s) {
   palm_ = world.addKinematicBody(X_WP);
   parts_.push_back({palmPart(hand), palm_});
   const HandGeometry geometry = forwardKinematics(hand, joints);
@@ -85,11 +90,12 @@ void DrivenHand::pause(std::size_t part) {
   if (parts_[part].body == palm_) return;
   DrivenFinger& finger = fingers_[parts_[part].part.finger];
   finger.paused = true;
-  world_.drive(finger.inner_hinge, 0.0, options_.breakaway_torque_nm);
-  world_.drive(finger.outer_hinge, 0.0, options_.breakaway_torque_nm);
+  world_.drive(finger.inner_hinge, 0.0, options_.touch_torque_nm);
+  world_.drive(finger.outer_hinge, 0.0, options_.touch_torque_nm);
 }
 
 void DrivenHand::resume() {
+  rate_ = options_.pressing_rate_rad_s;
   for (DrivenFinger& finger : fingers_) finger.paused = false;
 }
 
@@ -102,7 +108,7 @@ bool DrivenHand::waits() const {
 void DrivenHand::follow(DrivenFinger& finger) {
   const bool closing = finger.state == DriveState::closing;
   const double rate = world_.rate(closing ? finger.inner_hinge : finger.outer_hinge);
-  const bool slow = rate < options_.stalled_share * options_.closing_rate_rad_s;
+  const bool slow = rate < options_.stalled_share * rate_;
   finger.slow_time_s = slow ? finger.slow_time_s + world_.stepSize() : 0.0;
   if (finger.slow_time_s <= options_.stalled_time_s) return;
   if (closing) {
@@ -121,7 +127,7 @@ void DrivenHand::driveFinger(DrivenFinger& finger) {
   const double inner = world_.angle(finger.inner_hinge);
   if (finger.state == DriveState::closing) {
     const double target = outerAngle(hand_, inner + finger.inner_start) - finger.outer_start;
-    world_.drive(finger.inner_hinge, options_.closing_rate_rad_s, options_.breakaway_torque_nm);
+    world_.drive(finger.inner_hinge, rate_, options_.breakaway_torque_nm);
     world_.drive(finger.outer_hinge,
                  hand_.coupling * world_.rate(finger.inner_hinge) +
                      servo * (target - world_.angle(finger.outer_hinge)),
@@ -129,7 +135,7 @@ void DrivenHand::driveFinger(DrivenFinger& finger) {
   } else {
     world_.drive(finger.inner_hinge, servo * (finger.lock_angle - inner),
                  hand_.max_tip_force * (hand_.inner_length + tip));
-    world_.drive(finger.outer_hinge, (1 + hand_.coupling) * options_.closing_rate_rad_s, outer_torque);
+    world_.drive(finger.outer_hinge, (1 + hand_.coupling) * rate_, outer_torque);
   }
 }
 

@@ -8,7 +8,8 @@
 
 namespace boxgrasp {
 
-// The hand touches the object in at most this many points a link, and one more with the palm.
+// The hand touches the object in at most this many points a link, the ends of a line, and one more with the
+// palm.
 inline constexpr int kTouchesPerLink = 2;
 
 struct SceneContact {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 
 namespace boxgrasp {
 namespace {
@@ -61,7 +63,8 @@ HandPart palmPart(const HandDescription& hand) {
   const int rings = static_cast<int>(std::ceil(flat / kPalmSpacing));
   for (int ring = 0; ring <= rings; ++ring) {
     for (int i = 0; i < std::max(1, 6 * ring); ++i) {
-      const double angle = 2 * M_PI * i / std::max(1, 6 * ring), r = flat * ring / std::max(1, rings);
+      const double angle = 2 * std::numbers::pi * i / std::max(1, 6 * ring),
+                   r = flat * ring / std::max(1, rings);
       part.centers_B.emplace_back(r * std::cos(angle), r * std::sin(angle), -radius);
     }
   }

@@ -9,7 +9,7 @@
 
 namespace boxgrasp {
 
-// A part of the hand as spheres of one radius, so close together that a straight part is straight to 0.2 mm:
+// A part of the hand as spheres of one radius, so close together that they are one smooth part:
 // links are capsules, the palm is a disc with a rounded rim, whose flat face is that of the hand. In some
 // frame B of the part.
 struct HandPart {

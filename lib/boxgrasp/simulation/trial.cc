@@ -1,7 +1,6 @@
 #include "boxgrasp/simulation/trial.h"
 
 #include <algorithm>
-#include <functional>
 #include <numbers>
 #include <optional>
 

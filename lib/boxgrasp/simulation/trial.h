@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -47,11 +48,11 @@ struct TrialOptions {
   double wait_time_s = 0.3;
   double shake_amplitude_m = 0.05;  // along each axis of P
   double shake_frequency_hz = 2.0;
-  int shake_periods = 1;              // along and about each axis
-  double shake_angle_rad = M_PI / 6;  // about each axis through the palm's origin
-  double push_rate_n_s = 20.0;        // along z of P, away from the palm, where friction alone holds
-  double push_slip_m = 0.02;          // slipped this far, the object is lost
-  double push_limit_n = 60.0;         // an object that holds this is held; no more is asked
+  int shake_periods = 1;                          // along and about each axis
+  double shake_angle_rad = std::numbers::pi / 6;  // about each axis through the palm's origin
+  double push_rate_n_s = 20.0;  // along z of P, away from the palm, where friction alone holds
+  double push_slip_m = 0.02;    // slipped this far, the object is lost
+  double push_limit_n = 60.0;   // an object that holds this is held; no more is asked
 
   void validate() const;
 };
