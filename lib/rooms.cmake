@@ -10,7 +10,7 @@ boxgrasp_room(base          LIBRARIES TBB::tbb Threads::Threads)
 boxgrasp_room(geometry      ROOMS base)
 boxgrasp_room(cloud         ROOMS base geometry LIBRARIES ${LZF})
 boxgrasp_room(decomposition ROOMS base geometry)
-boxgrasp_room(projection    ROOMS base geometry decomposition LIBRARIES opencv_core opencv_imgproc)
+boxgrasp_room(projection    ROOMS base geometry decomposition)
 boxgrasp_room(synthesis     ROOMS base geometry projection LIBRARIES opencv_core opencv_imgproc)
 boxgrasp_room(hand          ROOMS base geometry projection synthesis LIBRARIES PkgConfig::TOMLPLUSPLUS)
 # The built-in hand is the text of the file that users copy.

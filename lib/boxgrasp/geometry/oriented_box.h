@@ -16,7 +16,7 @@ struct OrientedBox {
 
   double volume() const { return extents.prod(); }
   bool contains(const Vector3d& p_C, double margin_m = 0.0) const;
-  std::array<Vector3d, 8> corners() const;  // in C
+  std::array<Vector3d, 8> corners() const;  // in C; bit k of a corner's number is set on the positive side of axis k
 };
 
 // The box with the given axes (columns, right-handed) around all points; flat extents are raised to

@@ -152,7 +152,6 @@ QualityMeasures measure(const FaceWork& work, const Grasp& grasp, const Vector2d
   geometry.tip_height_m = grasp.configuration.tip_height_m;
   geometry.spread = grasp.joints.spread;
   geometry.focus_F = grasp.triplet.focus_F;
-  geometry.real_focus_F = grasp.configuration.real_focus_F;
   geometry.shape_centroid_F = shape_centroid_F;
   geometry.root_center_C = work.object.tree.nodes.front().box.X_CB.translation();
   return qualityMeasures(geometry, work.hand, work.options.depth_model);

@@ -20,7 +20,6 @@ struct GraspGeometry {
   std::array<double, 3> surface_depth_m;  // d_i: depth of the surface at the contacts
   double spread = 0.0;                    // rad
   Vector2d focus_F;                       // of the synthesis (III.B)
-  Vector2d real_focus_F;                  // of the hand
   Vector2d shape_centroid_F;              // of the filled projection
   std::array<Vector3d, 3> contacts_C;     // contacts in space
   Vector3d root_center_C;                 // centre of the root box

@@ -29,6 +29,7 @@ constexpr std::array<Colour, 10> kBoxColours{{{31, 119, 180},
 constexpr std::array<Colour, 3> kFingerColours{{{214, 90, 60}, {60, 130, 214}, {70, 170, 90}}};
 constexpr Colour kPalmColour{150, 150, 160}, kSceneColour{205, 205, 205}, kContactColour{220, 0, 0},
     kInk{20, 20, 20};
+// Corners differ in one bit of their numbers along each edge.
 constexpr std::array<std::array<int, 2>, 12> kBoxEdges{
     {{0, 1}, {0, 2}, {0, 4}, {1, 3}, {1, 5}, {2, 3}, {2, 6}, {3, 7}, {4, 5}, {4, 6}, {5, 7}, {6, 7}}};
 
@@ -42,17 +43,8 @@ Vector3d defaultView(const Vector3d& up_C) {
   return (-0.55 * up_C - 0.75 * side - 0.45 * up_C.cross(side)).normalized();
 }
 
-std::array<Vector3d, 8> cornersInOrder(const OrientedBox& box) {
-  std::array<Vector3d, 8> corners;
-  for (int i = 0; i < 8; ++i) {
-    const Vector3d signs(i & 1 ? 0.5 : -0.5, i & 2 ? 0.5 : -0.5, i & 4 ? 0.5 : -0.5);
-    corners[i] = box.X_CB * box.extents.cwiseProduct(signs);
-  }
-  return corners;
-}
-
 void drawBox(Canvas& canvas, const OrientedBox& box, Colour colour) {
-  const auto corners = cornersInOrder(box);
+  const auto corners = box.corners();
   for (const auto& [a, b] : kBoxEdges) canvas.segment(corners[a], corners[b], colour, 2);
 }
 
@@ -73,7 +65,7 @@ std::vector<Vector3d> cornersOf(const PlanResult& result) {
   std::vector<Vector3d> corners;
   for (const PlannedObject& object : result.objects) {
     if (object.tree.nodes.empty()) continue;
-    for (const Vector3d& corner : cornersInOrder(object.tree.nodes.front().box)) corners.push_back(corner);
+    for (const Vector3d& corner : object.tree.nodes.front().box.corners()) corners.push_back(corner);
   }
   if (corners.empty()) corners.push_back(Vector3d::Zero());
   return corners;
@@ -119,7 +111,7 @@ cv::Mat3b graspPanel(const PlanResult& result, const PlanTrace& trace, const Han
                      std::size_t rank, int side_px) {
   const Grasp& grasp = result.grasps[rank];
   std::vector<Vector3d> corners;
-  for (const Vector3d& corner : cornersInOrder(result.objects[grasp.object].tree.nodes.front().box))
+  for (const Vector3d& corner : result.objects[grasp.object].tree.nodes.front().box.corners())
     corners.push_back(corner);
   for (const Capsule& link : forwardKinematics(hand, grasp.joints).links) {
     corners.push_back(grasp.X_CP * link.a);

@@ -9,10 +9,13 @@
 
 #include "boxgrasp/base/error.h"
 #include "boxgrasp/geometry/min_volume_box.h"
+#include "error_of.h"
 #include "shapes.h"
 
 namespace boxgrasp {
 namespace {
+
+using test::errorOf;
 
 using ::testing::HasSubstr;
 
@@ -251,25 +254,15 @@ TEST(Decompose, KeepsToTheLargestNumberOfLeaves) {
   }
 }
 
-template <typename Action>
-std::string messageOf(const Action& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no InputError";
-}
-
 TEST(Decompose, RefusesAnEmptyCloud) {
-  EXPECT_THAT(messageOf([] { decompose({}); }), HasSubstr("empty"));
+  EXPECT_THAT(errorOf([] { decompose({}); }), HasSubstr("empty"));
 }
 
 TEST(Decompose, RefusesPointsThatAreNotFinite) {
   for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
     PointCloud cloud = test::brick(10);
     cloud.y[7] = bad;
-    EXPECT_THAT(messageOf([&] { decompose(cloud); }), HasSubstr("point 7 is not finite"));
+    EXPECT_THAT(errorOf([&] { decompose(cloud); }), HasSubstr("point 7 is not finite"));
   }
 }
 
@@ -277,7 +270,7 @@ TEST(Decompose, RefusesBadOptionsByName) {
   const auto message = [](auto field, auto value) {
     DecompositionOptions options;
     options.*field = value;
-    return messageOf([&] { decompose(test::brick(10), options); });
+    return errorOf([&] { decompose(test::brick(10), options); });
   };
   using Options = DecompositionOptions;
   const double nan = std::numeric_limits<double>::quiet_NaN();

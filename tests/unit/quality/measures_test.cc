@@ -28,7 +28,6 @@ GraspGeometry randomGrasp(std::mt19937_64& random) {
   }
   grasp.spread = uniform(random, 0, pi);
   grasp.focus_F = point();
-  grasp.real_focus_F = point();
   grasp.shape_centroid_F = point();
   grasp.root_center_C = Vector3d(0.01, 0.02, 0.03);
   return grasp;
@@ -43,7 +42,6 @@ GraspGeometry moved(GraspGeometry grasp, const Eigen::Isometry2d& X, const Pose&
     grasp.contacts_C[i] = Y * grasp.contacts_C[i];
   }
   grasp.focus_F = X * grasp.focus_F;
-  grasp.real_focus_F = X * grasp.real_focus_F;
   grasp.shape_centroid_F = X * grasp.shape_centroid_F;
   grasp.root_center_C = Y * grasp.root_center_C;
   return grasp;
@@ -72,7 +70,7 @@ GraspGeometry scaled(GraspGeometry grasp, double factor) {
     grasp.surface_depth_m[i] *= factor;
     grasp.contacts_C[i] *= factor;
   }
-  for (Vector2d* p : {&grasp.focus_F, &grasp.real_focus_F, &grasp.shape_centroid_F}) *p *= factor;
+  for (Vector2d* p : {&grasp.focus_F, &grasp.shape_centroid_F}) *p *= factor;
   grasp.root_center_C *= factor;
   return grasp;
 }
@@ -187,7 +185,7 @@ TEST(FingerDepthDifference, LinearIsEquation4ToTheLetter) {
   grasp.points_F = {Vector2d(0, 0), Vector2d(1, 0), Vector2d(0, 1)};
   grasp.normals_F = grasp.push_F = {Vector2d(1, 0), Vector2d(1, 0), Vector2d(1, 0)};
   grasp.contacts_C = {Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero()};
-  grasp.focus_F = grasp.real_focus_F = grasp.shape_centroid_F = Vector2d::Zero();
+  grasp.focus_F = grasp.shape_centroid_F = Vector2d::Zero();
   grasp.root_center_C = Vector3d::Zero();
   grasp.tip_height_m = {9, 9, 9};  // must not matter
   grasp.extension_m = {-0.030, 0.010, -0.055};

@@ -7,11 +7,13 @@
 #include <set>
 
 #include "boxgrasp/base/error.h"
+#include "error_of.h"
 #include "synthetic_samples.h"
 
 namespace boxgrasp {
 namespace {
 
+using test::errorOf;
 using ::testing::HasSubstr;
 
 // The same law for every object, up to an offset of its own, as for an object that is easier to grasp.
@@ -32,16 +34,6 @@ CrossValidationOptions quick(int repeats) {
   options.training.max_epochs = 30;
   options.training.starts = 1;
   return options;
-}
-
-template <typename F>
-std::string errorOf(F&& f) {
-  try {
-    f();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
 }
 
 TEST(LeaveOneObjectOut, RanksUnknownObjectsThatFollowTheSameLaw) {

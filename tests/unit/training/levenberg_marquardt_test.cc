@@ -9,24 +9,16 @@
 #include "boxgrasp/base/error.h"
 #include "boxgrasp/base/random.h"
 #include "boxgrasp/training/normal_equations.h"
+#include "error_of.h"
 #include "synthetic_samples.h"
 
 namespace boxgrasp {
 namespace {
 
+using test::errorOf;
 using test::noSamples;
 using test::sampled;
 using ::testing::HasSubstr;
-
-template <typename F>
-std::string errorOf(F&& f) {
-  try {
-    f();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
-}
 
 double meanSquaredErrorOf(const Network& network, const Samples& samples) {
   return (scores(network, samples.inputs) - samples.targets).squaredNorm() /
