@@ -35,9 +35,9 @@ configure_file(boxgrasp/planning/default_model_json.cc.in default_model_json.cc 
 target_sources(boxgrasp_planning PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/default_model_json.cc)
 boxgrasp_room(rendering     ROOMS base geometry decomposition projection synthesis hand planning
                             LIBRARIES opencv_core opencv_imgproc opencv_imgcodecs)
-boxgrasp_room(objects       ROOMS base geometry)
+boxgrasp_room(objects       ROOMS base geometry cloud)
 boxgrasp_room(simulation    ROOMS base geometry hand wrench objects LIBRARIES PkgConfig::ODE)
-boxgrasp_room(training      ROOMS base geometry wrench ranking planning objects)
+boxgrasp_room(training     ROOMS base geometry cloud hand quality wrench ranking planning objects simulation)
 
 # The wire: lcm-gen makes one header of each .lcm file.
 find_program(LCM_GEN lcm-gen REQUIRED)
