@@ -38,6 +38,7 @@ class GraspScene {
   const std::vector<SceneContact>& step(const Pose& X_WP, const Vector3d& force_W);
 
   PhysicsWorld& world() { return world_; }
+  const PhysicsWorld& world() const { return world_; }
   DrivenHand& hand() { return hand_; }
   const DrivenHand& hand() const { return hand_; }
   BodyId object() const { return object_; }

@@ -57,8 +57,8 @@ Pose backedUp(const Pose& X_OP, double by_m) { return X_OP * Eigen::Translation3
 class Trial {
  public:
   Trial(const HandDescription& hand, const SimulatedObject& object, const TrialInput& input,
-        const TrialOptions& options, const StopToken& stop)
-      : hand_(hand), object_(object), input_(input), options_(options), stop_(stop) {}
+        const TrialOptions& options, const StopToken& stop, const TrialObserver& observer)
+      : hand_(hand), object_(object), input_(input), options_(options), stop_(stop), observer_(observer) {}
 
   TrialResult run();
 
@@ -73,6 +73,9 @@ class Trial {
   void push();
 
   void readHand();
+  std::vector<TrialContact> pressing() const;
+  void showApproach(const Pose& X_OP) const;
+  void showScene() const;
   GraspQuality qualityOf(const std::vector<TrialContact>& touches) const;
   void step(const Pose& X_WP, const Vector3d& force_W);
   bool rest(double time_s, const Vector3d& force_W);
@@ -88,6 +91,8 @@ class Trial {
   const TrialInput& input_;
   const TrialOptions& options_;
   const StopToken& stop_;
+  const TrialObserver& observer_;
+  TrialPhase phase_ = TrialPhase::approach;
   TrialResult result_;
   std::optional<GraspScene> scene_;
   Pose X_WP_;        // where the palm is to stay
@@ -103,6 +108,37 @@ void Trial::step(const Pose& X_WP, const Vector3d& force_W) {
   stop_.check();
   scene_->step(X_WP, force_W);
   ++result_.steps;
+  const auto every = std::max(1L, std::lround(observer_.every_s / scene_->stepSize()));
+  if (observer_.see && result_.steps % every == 0) showScene();
+}
+
+void Trial::showApproach(const Pose& X_OP) const {
+  TrialMoment moment;
+  moment.X_WP = X_OP;
+  moment.joints = input_.pregrasp;
+  for (const Capsule& link : forwardKinematics(hand_, input_.pregrasp).links) {
+    moment.links_W.push_back({link.name, link.finger, X_OP * link.a, X_OP * link.b, link.radius});
+  }
+  observer_.see(moment);
+}
+
+void Trial::showScene() const {
+  const DrivenHand& hand = scene_->hand();
+  TrialMoment moment{phase_,
+                     static_cast<double>(result_.steps) * options_.physics.step_s,
+                     scene_->palmPose(),
+                     scene_->palmPose() * scene_->objectInPalm() * Eigen::Translation3d(-object_.center_O),
+                     hand.joints(),
+                     hand.outerJoints(),
+                     {},
+                     pressing()};
+  for (const auto& [part, body] : hand.parts()) {
+    if (part.finger < 0) continue;
+    const Pose X_WB = scene_->world().pose(body);
+    moment.links_W.push_back(
+        {part.name, part.finger, X_WB * part.centers_B.front(), X_WB * part.centers_B.back(), part.radius});
+  }
+  observer_.see(moment);
 }
 
 // Not a number counts as moved: whatever the physics could not solve is not held.
@@ -117,6 +153,7 @@ bool Trial::approach() {
   for (int i = 0; i <= steps; ++i) {
     stop_.check();
     const double left_m = input_.approach_m * (steps - i) / std::max(1, steps);
+    if (observer_.see) showApproach(backedUp(input_.X_OP, left_m));
     const HandPart* part =
         touching(parts, backedUp(input_.X_OP, left_m), object_.field, options_.touch_depth_m);
     if (!part) continue;
@@ -140,6 +177,7 @@ bool Trial::rest(double time_s, const Vector3d& force_W) {
 
 // Closes each finger until it touches the object, which stays where it is.
 void Trial::touch() {
+  phase_ = TrialPhase::touch;
   DrivenHand& hand = scene_->hand();
   scene_->world().hold(scene_->object(), kFixed, kFixed);
   for (double t = 0; t < options_.close_time_s && !hand.waits(); t += scene_->stepSize()) {
@@ -154,6 +192,7 @@ void Trial::touch() {
 bool Trial::close() {
   scene_.emplace(hand_, input_.pregrasp, X_WP_, object_, options_.physics);
   touch();
+  phase_ = TrialPhase::press;
   const double force = options_.support_friction * weight_W().norm();
   scene_->world().hold(scene_->object(), force, force * object_.largest_distance_m);
   for (double t = 0; t < options_.close_time_s && !scene_->hand().stalled(); t += scene_->stepSize()) {
@@ -169,17 +208,22 @@ void Trial::readHand() {
   result_.joints = scene_->hand().joints();
   result_.outer = scene_->hand().outerJoints();
   result_.stalled = scene_->hand().stalled();
-  result_.contacts.clear();
-  for (const SceneContact& contact : scene_->contacts()) {
-    const HandPart& part = scene_->hand().parts()[contact.part].part;
-    if (!(contact.force_O.dot(contact.touch.normal_O) > 0)) continue;
-    result_.contacts.push_back(
-        {part.name, part.finger, contact.touch.p_O, contact.touch.normal_O, contact.force_O});
-  }
+  result_.contacts = pressing();
   X_PG_grasp_ = scene_->objectInPalm();
 }
 
+std::vector<TrialContact> Trial::pressing() const {
+  std::vector<TrialContact> contacts;
+  for (const SceneContact& contact : scene_->contacts()) {
+    const HandPart& part = scene_->hand().parts()[contact.part].part;
+    if (!(contact.force_O.dot(contact.touch.normal_O) > 0)) continue;
+    contacts.push_back({part.name, part.finger, contact.touch.p_O, contact.touch.normal_O, contact.force_O});
+  }
+  return contacts;
+}
+
 bool Trial::letGo() {
+  phase_ = TrialPhase::settle;
   scene_->world().release();
   const bool stays = rest(options_.settle_time_s, Vector3d::Zero()) && !scene_->contacts().empty();
   if (stays) readHand();
@@ -209,6 +253,7 @@ bool Trial::carry(const PalmMotion& motion, double limit_m) {
 }
 
 bool Trial::lift() {
+  phase_ = TrialPhase::lift;
   const Vector3d up_W = -input_.gravity_O.normalized();
   const PalmMotion rise = liftMotion(up_W, options_.lift_height_m, options_.lift_acceleration_m_s2);
   const bool held = carry(rise, options_.lost_m) && rest(options_.wait_time_s, weight_W());
@@ -220,6 +265,7 @@ bool Trial::lift() {
 }
 
 bool Trial::shake() {
+  phase_ = TrialPhase::shake;
   for (int axis = 0; axis < 3; ++axis) {
     const Shake shake{options_.shake_frequency_hz, options_.shake_periods};
     const Vector3d unit_P = Vector3d::Unit(axis);
@@ -231,6 +277,7 @@ bool Trial::shake() {
 }
 
 void Trial::push() {
+  phase_ = TrialPhase::push;
   X_PG_grasp_ = scene_->objectInPalm();
   const Vector3d away_W = X_WP_.linear().col(2);
   double force = 0.0;
@@ -332,12 +379,18 @@ std::string_view describe(TrialOutcome outcome) {
   return "held";
 }
 
+std::string_view describe(TrialPhase phase) {
+  constexpr std::array<std::string_view, 7> kNames{"approach", "touch", "press", "let go",
+                                                   "lift",     "shake", "push"};
+  return kNames[static_cast<std::size_t>(phase)];
+}
+
 TrialResult runTrial(const HandDescription& hand, const SimulatedObject& object, const TrialInput& input,
-                     const TrialOptions& options, const StopToken& stop) {
+                     const TrialOptions& options, const StopToken& stop, const TrialObserver& observer) {
   options.validate();
   requireInput(hand, input);
   stop.check();
-  return Trial(hand, object, input, options, stop).run();
+  return Trial(hand, object, input, options, stop, observer).run();
 }
 
 }  // namespace boxgrasp

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <string>
 #include <string_view>
@@ -102,9 +103,30 @@ struct TrialResult {
   std::string report;           // one sentence
 };
 
+enum class TrialPhase { approach, touch, press, settle, lift, shake, push };  // in the order of time
+std::string_view describe(TrialPhase phase);
+
+// A trial at one moment, in the world W: the object's frame as it was at the start.
+struct TrialMoment {
+  TrialPhase phase = TrialPhase::approach;
+  double time_s = 0.0;  // simulated; 0 on the way in
+  Pose X_WP = Pose::Identity(), X_WO = Pose::Identity();
+  HandJoints joints;
+  std::array<double, 3> outer{NAN, NAN, NAN};  // outer joints; NaN on the way in, where they follow the inner
+  std::vector<Capsule> links_W;                // as the physics has them
+  std::vector<TrialContact> contacts;          // those that press
+};
+
+// Looks on, without changing what happens.
+struct TrialObserver {
+  double every_s = 0.01;                        // of simulated time; on the way in, at every pose tested
+  std::function<void(const TrialMoment&)> see;  // empty: nobody looks on
+};
+
 // The same input gives the same result to the bit, on any thread. Throws InputError for bad options or input,
 // Stopped when told to stop.
 TrialResult runTrial(const HandDescription& hand, const SimulatedObject& object, const TrialInput& input,
-                     const TrialOptions& options = {}, const StopToken& stop = {});
+                     const TrialOptions& options = {}, const StopToken& stop = {},
+                     const TrialObserver& observer = {});
 
 }  // namespace boxgrasp

@@ -175,6 +175,32 @@ TEST(Trial, IsTheSameToTheBitInEveryRunAndOnEveryThread) {
   for (std::size_t i = 0; i < together.size(); ++i) expectSame(together[i], alone[(5 * i) % inputs.size()]);
 }
 
+TEST(Trial, OnlookerSeesAllPhasesInOrderAndChangesNothing) {
+  const TrialInput input = fromAbove(0.13, 0);
+  std::vector<TrialMoment> moments;
+  const TrialResult watched = runTrial(barrettHand(), block(), input, {}, {},
+                                       {0.01, [&](const TrialMoment& m) { moments.push_back(m); }});
+  const TrialResult alone = runTrial(barrettHand(), block(), input);
+  EXPECT_EQ(watched.steps, alone.steps);
+  EXPECT_EQ(watched.push_force_n, alone.push_force_n);
+
+  std::vector<TrialPhase> phases;
+  for (const TrialMoment& moment : moments) {
+    if (phases.empty() || phases.back() != moment.phase) phases.push_back(moment.phase);
+    ASSERT_EQ(moment.links_W.size(), 9u);
+    for (std::size_t link = 0; link < 9; ++link) {  // rigid, and joined end to end
+      const Capsule& here = moment.links_W[link];
+      EXPECT_NEAR((here.b - here.a).norm(), (moments[0].links_W[link].b - moments[0].links_W[link].a).norm(),
+                  1e-9);
+      if (link % 3 == 0) continue;
+      EXPECT_NEAR((here.a - moment.links_W[link - 1].b).norm(), 0, 2e-3) << here.name;
+    }
+  }
+  using enum TrialPhase;
+  EXPECT_THAT(phases, ::testing::ElementsAre(approach, touch, press, settle, lift, shake, push));
+  EXPECT_NEAR(moments.back().X_WO.translation().z(), 0.2, 0.03) << "lifted by 0.2 m";
+}
+
 TEST(Trial, StopsWhenToldTo) {
   const StopToken expired(StopToken::Clock::now() - std::chrono::seconds(1));
   EXPECT_THROW(runTrial(barrettHand(), ball(), fromAbove(0.09, 0.0), {}, expired), Stopped);
