@@ -4,6 +4,7 @@ pkg_check_modules(TOMLPLUSPLUS REQUIRED IMPORTED_TARGET tomlplusplus)
 pkg_check_modules(SODIUM REQUIRED IMPORTED_TARGET libsodium)
 pkg_check_modules(QHULL REQUIRED IMPORTED_TARGET qhull_r)
 pkg_check_modules(ODE REQUIRED IMPORTED_TARGET ode>=0.16)
+pkg_check_modules(SQLITE REQUIRED IMPORTED_TARGET sqlite3>=3.37)
 find_library(LZF lzf REQUIRED)
 
 boxgrasp_room(base          LIBRARIES TBB::tbb Threads::Threads)
@@ -38,6 +39,8 @@ boxgrasp_room(rendering     ROOMS base geometry decomposition projection synthes
 boxgrasp_room(objects       ROOMS base geometry cloud)
 boxgrasp_room(simulation    ROOMS base geometry hand wrench objects LIBRARIES PkgConfig::ODE)
 boxgrasp_room(training     ROOMS base geometry cloud hand quality wrench ranking planning objects simulation)
+boxgrasp_room(store         ROOMS base geometry hand quality wrench ranking planning simulation training
+                            LIBRARIES PkgConfig::SQLITE)
 
 # The wire: lcm-gen makes one header of each .lcm file.
 find_program(LCM_GEN lcm-gen REQUIRED)
