@@ -38,7 +38,7 @@ boxgrasp_room(rendering     ROOMS base geometry decomposition projection synthes
                             LIBRARIES opencv_core opencv_imgproc opencv_imgcodecs)
 boxgrasp_room(objects       ROOMS base geometry cloud)
 boxgrasp_room(simulation    ROOMS base geometry hand wrench objects LIBRARIES PkgConfig::ODE)
-boxgrasp_room(training     ROOMS base geometry cloud hand quality wrench ranking planning objects simulation)
+boxgrasp_room(training     ROOMS base geometry cloud decomposition projection hand quality wrench ranking planning objects simulation)
 boxgrasp_room(store         ROOMS base geometry hand quality wrench ranking planning simulation training
                             LIBRARIES PkgConfig::SQLITE)
 
