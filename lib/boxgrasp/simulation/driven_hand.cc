@@ -105,6 +105,11 @@ bool DrivenHand::waits() const {
   });
 }
 
+void DrivenHand::recall(const DriveMemory& memory) {
+  fingers_ = memory.fingers;
+  rate_ = memory.rate;
+}
+
 void DrivenHand::follow(DrivenFinger& finger) {
   const bool closing = finger.state == DriveState::closing;
   const double rate = world_.rate(closing ? finger.inner_hinge : finger.outer_hinge);

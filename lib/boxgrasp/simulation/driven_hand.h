@@ -44,6 +44,12 @@ struct DrivenPart {
   BodyId body = nullptr;
 };
 
+// What the motors do and the clutches have done.
+struct DriveMemory {
+  std::array<DrivenFinger, 3> fingers;
+  double rate = 0.0;
+};
+
 class DrivenHand {
  public:
   // With the palm in pose X_WP and these joints; the spread stays as it is. Keeps a reference to the world.
@@ -60,6 +66,9 @@ class DrivenHand {
   void pause(std::size_t part);
   void resume();       // all fingers, pressing
   bool waits() const;  // every finger is paused or has stalled
+
+  DriveMemory memory() const { return {fingers_, rate_}; }
+  void recall(const DriveMemory& memory);
 
   HandJoints joints() const;
   std::array<double, 3> outerJoints() const;

@@ -50,8 +50,12 @@ SimulatedObject makeSimulatedObject(const TriangleMesh& mesh, const ObjectOption
   for (const Vector3d& p : mesh.vertices) bounds.extend(p);
   requireSize(bounds);
   const MassProperties mass = massPropertiesOf(mesh);
-  return {options.density_kg_m3 * mass.volume, mass.center_M, options.density_kg_m3 * mass.inertia_M,
-          largestDistance(mesh, mass.center_M), DistanceField(mesh, options.field)};
+  return {options.density_kg_m3 * mass.volume,
+          options.density_kg_m3,
+          mass.center_M,
+          options.density_kg_m3 * mass.inertia_M,
+          largestDistance(mesh, mass.center_M),
+          DistanceField(mesh, options.field)};
 }
 
 }  // namespace boxgrasp

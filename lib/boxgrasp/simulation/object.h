@@ -17,6 +17,7 @@ struct ObjectOptions {
 // A rigid solid in its frame O, that of its mesh. Immutable once made: all threads may share one.
 struct SimulatedObject {
   double mass_kg = NAN;
+  double density_kg_m3 = NAN;
   Vector3d center_O = Vector3d::Zero();   // centre of mass
   Matrix3d inertia_O = Matrix3d::Zero();  // about the centre of mass, axes of O, kg m^2
   double largest_distance_m = NAN;        // from the centre of mass to the surface: the scale of torques

@@ -76,6 +76,7 @@ struct PhysicsWorld::Impl {
   dThreadingImplementationID threading;
   dWorldID world;
   dJointGroupID contacts, holds;
+  std::vector<dBodyID> bodies;
   bool failed = false;  // in a step: the threading then holds unfinished work and cannot be freed
 
   Impl()
@@ -100,6 +101,7 @@ struct PhysicsWorld::Impl {
     const dBodyID body = dBodyCreate(world);
     setPose(body, X_WB);
     dBodySetFiniteRotationMode(body, 1);
+    bodies.push_back(body);
     return body;
   }
 };
@@ -176,6 +178,22 @@ void PhysicsWorld::setTwist(BodyId body, const Twist& twist) {
 
 void PhysicsWorld::push(BodyId body, const Vector3d& force_W) {
   dBodyAddForce(body, force_W.x(), force_W.y(), force_W.z());
+}
+
+WorldState PhysicsWorld::state() const {
+  WorldState state;
+  for (const dBodyID body : impl_->bodies) {
+    state.poses.push_back(pose(body));
+    state.twists.push_back(twist(body));
+  }
+  return state;
+}
+
+void PhysicsWorld::restore(const WorldState& state) {
+  for (std::size_t i = 0; i < impl_->bodies.size(); ++i) {
+    setPose(impl_->bodies[i], state.poses[i]);
+    setTwist(impl_->bodies[i], state.twists[i]);
+  }
 }
 
 Pose PhysicsWorld::pose(BodyId body) const {

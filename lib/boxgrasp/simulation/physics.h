@@ -25,6 +25,12 @@ struct Twist {
   Vector3d angular_velocity_W = Vector3d::Zero();  // rad/s
 };
 
+// Poses and twists of all bodies of a world, in the order in which they were added.
+struct WorldState {
+  std::vector<Pose> poses;
+  std::vector<Twist> twists;
+};
+
 // Stiffness and damping of the surfaces in contact, so that what happens does not depend on the step.
 struct ContactMaterial {
   double stiffness = 2e4;  // N/m: 15 N press a rubber pad in by 0.75 mm
@@ -71,6 +77,10 @@ class PhysicsWorld {
   void moveTo(BodyId body, const Pose& X_WB);
   void setTwist(BodyId body, const Twist& twist);
   void push(BodyId body, const Vector3d& force_W);  // at its centre of mass, during the next step
+
+  WorldState state() const;
+  // Pre: of this world, since when no body was added. What drives hinges and holds bodies stays as it is.
+  void restore(const WorldState& state);
 
   Pose pose(BodyId body) const;
   Twist twist(BodyId body) const;

@@ -8,8 +8,13 @@ GraspScene::GraspScene(const HandDescription& hand, const HandJoints& joints, co
       friction_(options.friction),
       world_(options.step_s, options.material),
       hand_(hand, joints, X_OP, options.drive, world_),
-      object_(world_.addBody(object.mass_kg, object.inertia_O,
+      object_(world_.addBody(options.mass_factor * object.mass_kg, options.mass_factor * object.inertia_O,
                              makePose(Matrix3d::Identity(), object.center_O))) {}
+
+void GraspScene::restore(const SceneState& state) {
+  world_.restore(state.world);
+  hand_.recall(state.drive);
+}
 
 Pose GraspScene::objectInPalm() const { return palmPose().inverse() * world_.pose(object_); }
 

@@ -21,9 +21,16 @@ struct SceneContact {
 struct PhysicsOptions {
   double step_s = 0.002;
   double friction = 0.5;
+  double mass_factor = 1.0;  // of the object's mass and inertia: to ask what another weight would do
   ContactMaterial material;
   DriveOptions drive;
   void validate() const;
+};
+
+// All that later steps depend on.
+struct SceneState {
+  WorldState world;
+  DriveMemory drive;
 };
 
 // The world W is the object's frame O as it was at the start.
@@ -36,6 +43,9 @@ class GraspScene {
   // One step, in which the palm moves to X_WP and this force acts on the object's centre of mass. Returns the
   // contacts of hand and object during the step.
   const std::vector<SceneContact>& step(const Pose& X_WP, const Vector3d& force_W);
+
+  SceneState state() const { return {world_.state(), hand_.memory()}; }
+  void restore(const SceneState& state);
 
   PhysicsWorld& world() { return world_; }
   const PhysicsWorld& world() const { return world_; }
