@@ -61,9 +61,9 @@ TriangleMesh cylinderMesh(const Vector3d& a, const Vector3d& b, double radius) {
   return mesh;
 }
 
-std::vector<HandPart> handMesh(const HandDescription& hand, const HandJoints& joints) {
+std::vector<DrawnPart> handMesh(const HandDescription& hand, const HandJoints& joints) {
   const HandGeometry geometry = forwardKinematics(hand, joints);
-  std::vector<HandPart> parts;
+  std::vector<DrawnPart> parts;
   parts.push_back({cylinderMesh({0, 0, -geometry.palm_thickness}, {0, 0, 0}, geometry.palm_radius), -1});
   for (const Capsule& link : geometry.links)
     parts.push_back({capsuleMesh(link.a, link.b, link.radius), link.finger});

@@ -89,7 +89,7 @@ cv::Mat3b boxesPanel(const PlanResult& result, const PlanTrace& trace, int side_
 }
 
 void drawHand(Canvas& canvas, const HandDescription& hand, const Grasp& grasp) {
-  for (const HandPart& part : handMesh(hand, grasp.joints)) {
+  for (const DrawnPart& part : handMesh(hand, grasp.joints)) {
     canvas.mesh(part.mesh_P, grasp.X_CP, part.finger < 0 ? kPalmColour : kFingerColours[part.finger]);
   }
 }
