@@ -17,6 +17,9 @@
 
 namespace boxgrasp {
 
+class Database;
+class FileLock;
+
 // A label that is still to be made.
 struct LabelSlot {
   int index = -1;        // of the hypothesis
@@ -70,7 +73,7 @@ class ExperienceStore {
   ExperienceStore& operator=(ExperienceStore&&) noexcept;
   ~ExperienceStore();
 
-  const std::string& settings() const;
+  const std::string& settings() const { return settings_; }
 
   // Adds the model and hypotheses on it, of any sources, in one transaction; more can follow in later calls
   // with the same model. What is there already is left alone; throws InputError, naming the first field that
@@ -79,6 +82,8 @@ class ExperienceStore {
 
   std::vector<ModelRecord> models() const;  // ordered by key
   std::optional<ModelRecord> model(const ModelKey& key) const;
+
+  // This and all that follows throws InputError for a model that is not there.
   std::vector<HypothesisRecord> hypotheses(const ModelKey& key, GraspSource source) const;  // by index
 
   // In one transaction. What is there already is left alone; throws InputError that names the grasp and the
@@ -106,9 +111,10 @@ class ExperienceStore {
   std::string contentHash() const;  // of the dump, 64 hex digits
 
  private:
-  class Content;
-  explicit ExperienceStore(std::unique_ptr<Content> content);
-  std::unique_ptr<Content> content_;
+  ExperienceStore(std::unique_ptr<FileLock> lock, std::unique_ptr<Database> database);
+  std::unique_ptr<FileLock> lock_;  // null for readers
+  std::unique_ptr<Database> database_;
+  std::string settings_;
 };
 
 }  // namespace boxgrasp

@@ -2,22 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
 
 #include "boxgrasp/base/error.h"
+#include "boxgrasp/store/number_text.h"
 
 namespace boxgrasp {
 namespace {
-
-// All of the text is one number, or there is none.
-template <typename Number>
-std::optional<Number> parseNumber(std::string_view text) {
-  Number number{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return number;
-}
 
 std::string scaleText(double scale) {
   const std::string rounded = fmt::format("{:.2f}", scale);

@@ -18,7 +18,7 @@ struct GraspId {
 
 // "<object>@<scale>/<view>/<source>/<index>". The scale has two decimals where these give it to the bit, else
 // as many as it needs, so that parsing gives the same id again. The object may hold '/' and '@', the view
-// neither.
+// no '/'.
 std::string formatGraspId(const GraspId& id);
 std::string formatModelKey(const ModelKey& key);  // the part up to the view
 
