@@ -5,6 +5,7 @@
 
 #include "boxgrasp/base/error.h"
 #include "boxgrasp/base/exit_code.h"
+#include "quality_command.h"
 #include "sample_command.h"
 #include "train_command.h"
 
@@ -50,6 +51,17 @@ void addSample(CLI::App& app, SampleCommand& command) {
   app.add_flag("--list", command.list, "print the names of the objects");
 }
 
+void addQuality(CLI::App& app, QualityCommand& command) {
+  app.add_option("contacts", command.contacts, "JSON file: a grasp, a list of grasps, or a list of contacts")
+      ->required();
+  app.add_option("--friction", command.friction,
+                 "Coulomb coefficient of all contacts; else the file's, else 0.4");
+  app.add_option("--edges", command.edges, "edges of the friction cones; else the file's, else 8");
+  app.add_option("--norm", command.norm, "'l1': all normal forces sum to 1; 'linf': each is at most 1")
+      ->capture_default_str();
+  app.add_flag("--json", command.json, "print the values as JSON");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -60,6 +72,9 @@ int main(int argc, char** argv) {
   SampleCommand sample;
   CLI::App* train_app = app.add_subcommand("train", "learn from labels and write a model file");
   CLI::App* sample_app = app.add_subcommand("sample", "write a point cloud of a parametric object");
+  QualityCommand quality;
+  CLI::App* quality_app = app.add_subcommand("quality", "print epsilon, nu and force closure of contacts");
+  addQuality(*quality_app, quality);
   addTrain(*train_app, train);
   addSample(*sample_app, sample);
   try {
@@ -70,6 +85,7 @@ int main(int argc, char** argv) {
   try {
     if (train_app->parsed()) runTrain(train, commandLine(argc, argv));
     if (sample_app->parsed()) runSample(sample);
+    if (quality_app->parsed()) runQuality(quality);
     return kDone;
   } catch (const InputError& error) {
     fmt::print(stderr, "boxgrasp-trainer: {}\n", error.what());

@@ -1,0 +1,119 @@
+// The trainer's commands as users run them.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "boxgrasp/base/exit_code.h"
+#include "processes.h"
+
+namespace boxgrasp::test {
+namespace {
+
+using nlohmann::json;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+const fs::path kOracle = BOXGRASP_SOURCE_DIR "/../shared/oracle/gws_cases.json";
+
+class Quality : public ::testing::Test {
+ protected:
+  Finished quality(const std::string& contacts, std::vector<std::string> options = {}) {
+    std::ofstream(folder_ / "contacts.json") << contacts;
+    options.insert(options.begin(), {BOXGRASP_TRAINER, "quality", folder_ / "contacts.json"});
+    return run(options);
+  }
+  json values(const json& contacts, std::vector<std::string> options = {}) {
+    options.push_back("--json");
+    const Finished finished = quality(contacts.dump(), options);
+    EXPECT_EQ(finished.code, kDone) << finished.err;
+    return json::parse(finished.out)["cases"];
+  }
+  // That the program refuses the contacts, and says so.
+  void expectRefused(const std::string& contacts, const ::testing::Matcher<std::string>& message) {
+    const Finished finished = quality(contacts);
+    EXPECT_EQ(finished.code, kBadInput) << contacts;
+    EXPECT_THAT(finished.err, message);
+  }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+void expectEqual(const json& got, const json& expected) {
+  SCOPED_TRACE(expected["name"].get<std::string>());
+  const double nu = expected["volume"], epsilon = expected["epsilon"];
+  EXPECT_NEAR(got["nu"].get<double>(), nu, 1e-6 * nu);
+  if (expected["borderline"]) return;
+  EXPECT_EQ(got["force_closure"], expected["force_closure"]);
+  EXPECT_NEAR(got["epsilon"].get<double>(), epsilon, 1e-6 * std::abs(epsilon));
+}
+
+TEST_F(Quality, OfEveryReferenceCaseIsThatOfACertifiedHull) {
+  if (!fs::exists(kOracle)) GTEST_SKIP() << "no reference values at " << kOracle;
+  const json oracle = json::parse(std::ifstream(kOracle));
+  const json got = values(oracle);
+  ASSERT_EQ(got.size(), oracle["cases"].size());
+  for (std::size_t i = 0; i < got.size(); ++i) expectEqual(got[i], oracle["cases"][i]);
+  expectEqual(values(oracle["cases"]).at(7), oracle["cases"][7]);
+  expectEqual(values(oracle["cases"][7]).at(0), oracle["cases"][7]);
+}
+
+json contact(std::vector<double> position_mm, std::vector<double> normal) {
+  return {{"position_mm", position_mm}, {"inward_normal", normal}};
+}
+
+// Three fingers around a ball.
+const json kThree{contact({50, 0, 0}, {-1, 0, 0}), contact({-25, 43.30127, 0}, {0.5, -0.8660254, 0}),
+                  contact({-25, -43.30127, 0}, {0.5, 0.8660254, 0})};
+
+TEST_F(Quality, OfABareListOfContactsTakesTheScaleFromThem) {
+  const json bare = values(kThree).at(0);
+  EXPECT_TRUE(bare["force_closure"]);
+  EXPECT_NEAR(bare["torque_scale_mm"].get<double>(), 50, 1e-4);
+  const json whole =
+      values({{"contacts", kThree}, {"torque_scale_mm", 50}, {"mu", 0.4}, {"cone_edges", 8}}).at(0);
+  EXPECT_NEAR(bare["epsilon"].get<double>(), whole["epsilon"].get<double>(), 1e-6);
+}
+
+TEST_F(Quality, FollowsTheOptions) {
+  const double l1 = values(kThree).at(0)["epsilon"];
+  EXPECT_GT(values(kThree, {"--norm", "linf"}).at(0)["epsilon"], l1)
+      << "three forces of 1 instead of a sum of 1";
+  EXPECT_GT(values(kThree, {"--friction", "1"}).at(0)["epsilon"], l1);
+  EXPECT_GT(values(kThree, {"--edges", "16"}).at(0)["nu"], values(kThree).at(0)["nu"])
+      << "inscribed cones grow";
+  EXPECT_FALSE(values(kThree, {"--friction", "0"}).at(0)["force_closure"]);
+}
+
+TEST_F(Quality, RefusesBadInputByPlaceAndValue) {
+  expectRefused("[{\"position_mm\": [0, 0, 0], ", AllOf(HasSubstr("no JSON"), HasSubstr("line 1")));
+  expectRefused("7", AllOf(HasSubstr("7"), HasSubstr("list of contacts")));
+  expectRefused("[]", AllOf(HasSubstr("file is []"), HasSubstr("list of contacts")));
+  expectRefused("{}", HasSubstr("no \"contacts\""));
+  expectRefused("{\"contacts\": 3}", AllOf(HasSubstr("file.contacts is 3"), HasSubstr("list")));
+  expectRefused("{\"contacts\": [], \"friction\": 1}", AllOf(HasSubstr("\"friction\""), HasSubstr("mu")));
+  expectRefused("[{\"contacts\": []}, {\"contacts\": [], \"cone_edges\": 2.5}]",
+                HasSubstr("file[1].cone_edges is 2.5"));
+  json bad = kThree;
+  bad[1]["inward_normal"] = {1, 1, 0};
+  expectRefused(bad.dump(), AllOf(HasSubstr("file[1].inward_normal is [1,1,0]"), HasSubstr("length 1")));
+  bad = kThree;
+  bad[2]["position_mm"] = {1, "two", 3};
+  expectRefused(bad.dump(), AllOf(HasSubstr("file[2].position_mm"), HasSubstr("three numbers")));
+  bad = kThree;
+  bad[0].erase("inward_normal");
+  expectRefused(bad.dump(), HasSubstr("file[0] has no \"inward_normal\""));
+  expectRefused("{\"contacts\": [], \"torque_scale_mm\": 0}", HasSubstr("torque_scale_mm is 0"));
+  expectRefused(std::string(200'000, '['), HasSubstr("no JSON"));
+}
+
+TEST_F(Quality, RefusesBadOptions) {
+  EXPECT_THAT(quality(kThree.dump(), {"--norm", "l2"}).err, HasSubstr("l2"));
+  EXPECT_THAT(quality(kThree.dump(), {"--edges", "2"}).err, HasSubstr("cone_edges"));
+  EXPECT_THAT(run({BOXGRASP_TRAINER, "quality", "/no/such.json"}).err, HasSubstr("/no/such.json"));
+}
+
+}  // namespace
+}  // namespace boxgrasp::test
