@@ -1,10 +1,10 @@
 find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs)
-pkg_check_modules(LCM REQUIRED IMPORTED_TARGET lcm)
-pkg_check_modules(TOMLPLUSPLUS REQUIRED IMPORTED_TARGET tomlplusplus)
-pkg_check_modules(SODIUM REQUIRED IMPORTED_TARGET libsodium)
-pkg_check_modules(QHULL REQUIRED IMPORTED_TARGET qhull_r)
-pkg_check_modules(ODE REQUIRED IMPORTED_TARGET ode>=0.16)
-pkg_check_modules(SQLITE REQUIRED IMPORTED_TARGET sqlite3>=3.37)
+boxgrasp_pkg_config(LCM lcm)
+boxgrasp_pkg_config(TOMLPLUSPLUS tomlplusplus)
+boxgrasp_pkg_config(SODIUM libsodium)
+boxgrasp_pkg_config(QHULL qhull_r)
+boxgrasp_pkg_config(ODE ode>=0.16)
+boxgrasp_pkg_config(SQLITE sqlite3>=3.37)
 find_library(LZF lzf REQUIRED)
 
 boxgrasp_room(base          LIBRARIES TBB::tbb Threads::Threads)
@@ -53,4 +53,5 @@ add_custom_command(OUTPUT ${lcm_headers}/stamp
 add_custom_target(boxgrasp_lcmtypes DEPENDS ${lcm_headers}/stamp)
 boxgrasp_room(messaging     ROOMS base geometry planning LIBRARIES PkgConfig::LCM)
 add_dependencies(boxgrasp_messaging boxgrasp_lcmtypes)
-target_include_directories(boxgrasp_messaging SYSTEM PUBLIC ${lcm_headers})
+target_include_directories(boxgrasp_messaging SYSTEM PUBLIC $<BUILD_INTERFACE:${lcm_headers}>
+                           $<INSTALL_INTERFACE:include/boxgrasp-types>)
