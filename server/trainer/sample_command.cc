@@ -31,7 +31,7 @@ void runSample(const SampleCommand& command) {
   PointCloud cloud =
       sampleSurface(parametricObject(command.object, command.scale), command.points, command.seed);
   addNoise(cloud, command.noise_m, command.seed + 1);
-  writePcd(cloud, command.out);
+  writeCloud(cloud, command.out);
   fmt::print("{} points on a {} written to {}\n", cloud.size(), command.object, command.out.string());
 }
 

@@ -49,7 +49,7 @@ std::vector<std::string> operator+(std::vector<std::string> a, const std::vector
 class Service : public testing::Test {
  protected:
   void SetUp() override {
-    writePcd(cup(), folder / "cup.pcd");
+    writeCloud(cup(), folder / "cup.pcd");
     std::ofstream(folder / "slow.toml")
         << "[server]\nstop_s = 0.5\n[clean]\nvoxel_m = 0.0\n[decomposition]\nexhaustive = true\n";
     std::ofstream(folder / "clouds.toml") << "[server]\ncloud_channel = \"CAMERA\"\n";
@@ -417,7 +417,7 @@ TEST_F(Service, BadFilesGetAMessageAndAnExitCode) {
 }
 
 TEST_F(Service, FiveMillionPointsGetAnAnswer) {
-  writePcd(cup(5'000'000), folder / "large.pcd");
+  writeCloud(cup(5'000'000), folder / "large.pcd");
   startServer();
   const Finished here = local({folder / "large.pcd", "--json"});
   ASSERT_EQ(here.code, 0) << here.err;

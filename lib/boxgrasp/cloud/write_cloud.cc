@@ -17,22 +17,45 @@ std::string pcdHeader(std::size_t points) {
       points);
 }
 
-std::vector<float> interleaved(const PointCloud& cloud) {
-  std::vector<float> xyz;
-  xyz.reserve(3 * cloud.size());
-  for (std::size_t i = 0; i < cloud.size(); ++i) xyz.insert(xyz.end(), {cloud.x[i], cloud.y[i], cloud.z[i]});
-  return xyz;
+std::string plyHeader(std::size_t points) {
+  return fmt::format(
+      "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\n"
+      "property float z\nend_header\n",
+      points);
+}
+
+std::string binary(const PointCloud& cloud) {
+  std::string bytes;
+  bytes.reserve(3 * sizeof(float) * cloud.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const float xyz[] = {cloud.x[i], cloud.y[i], cloud.z[i]};
+    bytes.append(reinterpret_cast<const char*>(xyz), sizeof xyz);
+  }
+  return bytes;
+}
+
+std::string text(const PointCloud& cloud) {
+  std::string lines;
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    fmt::format_to(std::back_inserter(lines), "{} {} {}\n", cloud.x[i], cloud.y[i], cloud.z[i]);
+  return lines;
+}
+
+std::string content(const PointCloud& cloud, const std::filesystem::path& file) {
+  const std::string ending = file.extension();
+  if (ending == ".pcd") return pcdHeader(cloud.size()) + binary(cloud);
+  if (ending == ".ply") return plyHeader(cloud.size()) + binary(cloud);
+  if (ending == ".xyz") return text(cloud);
+  throw InputError(fmt::format("cannot tell the format of '{}': name it .pcd, .ply or .xyz", file.string()));
 }
 
 }  // namespace
 
-void writePcd(const PointCloud& cloud_C, const std::filesystem::path& file) {
-  const std::vector<float> xyz = interleaved(cloud_C);
+void writeCloud(const PointCloud& cloud_C, const std::filesystem::path& file) {
+  const std::string bytes = content(cloud_C, file);
   const std::filesystem::path unfinished = file.string() + ".part";
   std::ofstream stream(unfinished, std::ios::binary | std::ios::trunc);
-  stream << pcdHeader(cloud_C.size());
-  stream.write(reinterpret_cast<const char*>(xyz.data()),
-               static_cast<std::streamsize>(xyz.size() * sizeof(float)));
+  stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   stream.close();
   std::error_code error;
   if (stream) std::filesystem::rename(unfinished, file, error);

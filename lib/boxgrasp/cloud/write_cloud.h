@@ -7,8 +7,10 @@
 
 namespace boxgrasp {
 
-// Writes the cloud as a binary PCD file (version 0.7, fields x y z, float32, metres). Throws InputError when
-// it cannot be written whole; then no file of that name is left behind half written.
-void writePcd(const PointCloud& cloud_C, const std::filesystem::path& file);
+// Writes the cloud in the format of the file's ending: .pcd (version 0.7, binary), .ply (binary, little
+// endian), or .xyz (text, three numbers a line); coordinates are float32 in metres, and read back to the bit.
+// Throws InputError for another ending, or when it cannot be written whole; then no file of that name is left
+// behind half written.
+void writeCloud(const PointCloud& cloud_C, const std::filesystem::path& file);
 
 }  // namespace boxgrasp

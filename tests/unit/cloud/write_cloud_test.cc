@@ -2,30 +2,36 @@
 
 #include <gtest/gtest.h>
 
-#include "boxgrasp/base/error.h"
 #include "boxgrasp/cloud/read_cloud.h"
+#include "error_of.h"
 #include "random_pose.h"
 
 namespace boxgrasp {
 namespace {
 
-TEST(WritePcd, ReadsBackToTheBit) {
+class WriteCloud : public testing::TestWithParam<const char*> {};
+
+TEST_P(WriteCloud, ReadsBackToTheBit) {
   std::mt19937_64 random(1);
   PointCloud cloud;
   for (int i = 0; i < 1000; ++i) cloud.push({normal(random), normal(random), normal(random)});
-  const auto file = std::filesystem::temp_directory_path() / "boxgrasp_write_cloud_test.pcd";
-  writePcd(cloud, file);
+  const auto file =
+      std::filesystem::temp_directory_path() / (std::string("boxgrasp_write_cloud") + GetParam());
+  writeCloud(cloud, file);
   EXPECT_EQ(readCloud(file).cloud_C, cloud);
   std::filesystem::remove(file);
 }
 
-TEST(WritePcd, NamesTheFileThatCannotBeWritten) {
-  try {
-    writePcd(PointCloud{}, "/no/such/folder/cloud.pcd");
-    FAIL() << "expected InputError";
-  } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("/no/such/folder/cloud.pcd"), std::string::npos) << error.what();
-  }
+INSTANTIATE_TEST_SUITE_P(Formats, WriteCloud, testing::Values(".pcd", ".ply", ".xyz"));
+
+TEST(WriteCloud, NamesTheFileThatItCannotWrite) {
+  const std::string error = test::errorOf([] { writeCloud(PointCloud{}, "/no/such/folder/cloud.pcd"); });
+  EXPECT_NE(error.find("/no/such/folder/cloud.pcd"), std::string::npos) << error;
+}
+
+TEST(WriteCloud, RefusesAnEndingThatItDoesNotKnow) {
+  const std::string error = test::errorOf([] { writeCloud(PointCloud{}, "cloud.las"); });
+  EXPECT_NE(error.find(".pcd, .ply or .xyz"), std::string::npos) << error;
 }
 
 }  // namespace
