@@ -42,7 +42,7 @@ void addTrain(CLI::App& app, TrainCommand& command) {
 
 void addSample(CLI::App& app, SampleCommand& command) {
   app.add_option("object", command.object, "name of a parametric object");
-  app.add_option("--out", command.out, "the PCD file to write");
+  app.add_option("--out", command.out, "the file to write: .pcd, .ply or .xyz");
   app.add_option("--points", command.points, "points on its surface")->capture_default_str();
   app.add_option("--scale", command.scale, "size relative to the natural one")->capture_default_str();
   app.add_option("--noise-m", command.noise_m, "standard deviation of the noise on every coordinate, metres")
@@ -67,6 +67,7 @@ void addQuality(CLI::App& app, QualityCommand& command) {
 int main(int argc, char** argv) {
   CLI::App app{"Trains the networks that rank Boxgrasp's grasps."};
   app.set_version_flag("--version", BOXGRASP_VERSION);
+  app.set_help_all_flag("--help-all", "print the help of every command");
   app.require_subcommand(1);
   TrainCommand train;
   SampleCommand sample;
