@@ -1,7 +1,6 @@
 #include "remote.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -25,13 +24,6 @@ constexpr std::size_t kSafeBytes = 100'000;  // fits any kernel's default receiv
 
 double secondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-// Unique among all clients: who, and when.
-std::string newRequestId() {
-  char host[65] = {};
-  gethostname(host, sizeof host - 1);
-  return fmt::format("{}-{}-{}", host, getpid(), utimeNow());
 }
 
 [[noreturn]] void failNotReachable(const std::string& lcm_url) {

@@ -3,26 +3,13 @@
 
 #include <chrono>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "boxgrasp/messaging/lcm_bus.h"
+#include "boxgrasp/messaging/ask.h"
 #include "boxgrasp/planning/plan.h"
 
 namespace boxgrasp {
-
-// Nobody answers on the bus.
-class NotReachable : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
-
-// There is a server, but its answer did not come in time.
-class NoAnswer : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 struct RemotePlan {
   PlanRequest request;

@@ -41,6 +41,7 @@ boxgrasp_room(simulation    ROOMS base geometry hand wrench objects LIBRARIES Pk
 boxgrasp_room(training     ROOMS base geometry cloud decomposition projection hand quality wrench ranking planning objects simulation)
 boxgrasp_room(store         ROOMS base geometry hand quality wrench ranking planning simulation training
                             LIBRARIES PkgConfig::SQLITE)
+boxgrasp_room(registry      ROOMS base geometry quality ranking planning LIBRARIES PkgConfig::SODIUM nlohmann_json::nlohmann_json)
 
 # The wire: lcm-gen makes one header of each .lcm file.
 find_program(LCM_GEN lcm-gen REQUIRED)
@@ -51,7 +52,7 @@ add_custom_command(OUTPUT ${lcm_headers}/stamp
                    COMMAND ${CMAKE_COMMAND} -E touch ${lcm_headers}/stamp
                    DEPENDS ${lcm_files} COMMENT "Generating LCM types")
 add_custom_target(boxgrasp_lcmtypes DEPENDS ${lcm_headers}/stamp)
-boxgrasp_room(messaging     ROOMS base geometry planning LIBRARIES PkgConfig::LCM)
+boxgrasp_room(messaging     ROOMS base geometry ranking planning registry LIBRARIES PkgConfig::LCM)
 add_dependencies(boxgrasp_messaging boxgrasp_lcmtypes)
 target_include_directories(boxgrasp_messaging SYSTEM PUBLIC $<BUILD_INTERFACE:${lcm_headers}>
                            $<INSTALL_INTERFACE:include/boxgrasp-types>)

@@ -5,10 +5,18 @@
 #include <vector>
 
 #include "boxgrasp/cancel_t.hpp"
+#include "boxgrasp/grasp_outcome_t.hpp"
 #include "boxgrasp/messaging/wire_check.h"
+#include "boxgrasp/model_reply_t.hpp"
+#include "boxgrasp/models_reply_t.hpp"
+#include "boxgrasp/models_request_t.hpp"
+#include "boxgrasp/outcome_reply_t.hpp"
 #include "boxgrasp/plan_request_t.hpp"
 #include "boxgrasp/plan_response_t.hpp"
+#include "boxgrasp/publish_model_t.hpp"
+#include "boxgrasp/retrain_request_t.hpp"
 #include "boxgrasp/status_t.hpp"
+#include "boxgrasp/training_status_t.hpp"
 #include "drake/lcmt_point_cloud.hpp"
 
 namespace boxgrasp {
@@ -35,6 +43,38 @@ inline const WireLayout& layoutOf<status_t>() {
 template <>
 inline const WireLayout& layoutOf<cancel_t>() {
   return wire::kCancel;
+}
+template <>
+inline const WireLayout& layoutOf<publish_model_t>() {
+  return wire::kPublishModel;
+}
+template <>
+inline const WireLayout& layoutOf<model_reply_t>() {
+  return wire::kModelReply;
+}
+template <>
+inline const WireLayout& layoutOf<models_request_t>() {
+  return wire::kModelsRequest;
+}
+template <>
+inline const WireLayout& layoutOf<models_reply_t>() {
+  return wire::kModelsReply;
+}
+template <>
+inline const WireLayout& layoutOf<grasp_outcome_t>() {
+  return wire::kGraspOutcome;
+}
+template <>
+inline const WireLayout& layoutOf<outcome_reply_t>() {
+  return wire::kOutcomeReply;
+}
+template <>
+inline const WireLayout& layoutOf<retrain_request_t>() {
+  return wire::kRetrainRequest;
+}
+template <>
+inline const WireLayout& layoutOf<training_status_t>() {
+  return wire::kTrainingStatus;
 }
 
 template <typename Message>

@@ -90,6 +90,33 @@ constexpr WireLayout kStage{"stage_t", kStageFields};
 constexpr WireField kRejectionFields[] = {one("reason", text), one("count", int64)};
 constexpr WireLayout kRejection{"rejection_t", kRejectionFields};
 
+constexpr WireField kSignatureFields[] = {fixed("key", byte, 32), fixed("bytes", byte, 64)};
+constexpr WireLayout kSignature{"signature_t", kSignatureFields};
+
+constexpr WireField kMetricFields[] = {one("name", text), one("value", float64)};
+constexpr WireLayout kMetric{"metric_t", kMetricFields};
+
+constexpr WireField kModelInfoFields[] = {
+    one("version", text),
+    one("name", text),
+    one("state", text),
+    one("reason", text),
+    one("serving", boolean),
+    one("pinned", boolean),
+    one("key", text),
+    one("accepted", int64),
+    one("created", text),
+    one("trained_on", text),
+    one("command", text),
+    one("data_hash", text),
+    one("seed", int64),
+    one("features", text),
+    one("shape", text),
+    one("num_metrics", int32),
+    many("metrics", kMetric, "num_metrics", kMaxRows),
+};
+constexpr WireLayout kModelInfo{"model_info_t", kModelInfoFields};
+
 constexpr WireField kCancelFields[] = {one("utime", int64), one("request_id", text)};
 
 }  // namespace
@@ -141,12 +168,80 @@ constexpr WireField kStatusFields[] = {
     one("receive_buffer_granted", int64),
 };
 
+constexpr WireField kPublishModelFields[] = {
+    one("utime", int64),
+    one("request_id", text),
+    one("signature", kSignature),
+    one("model_size", int32),
+    many("model", byte, "model_size", kMaxModelBytes),
+};
+
+constexpr WireField kModelReplyFields[] = {
+    one("utime", int64),  one("request_id", text), one("outcome", int8),
+    one("version", text), one("message", text),
+};
+
+constexpr WireField kModelsRequestFields[] = {
+    one("utime", int64),  one("request_id", text),      one("action", int8),
+    one("version", text), one("signature", kSignature),
+};
+
+constexpr WireField kModelsReplyFields[] = {
+    one("utime", int64),  one("request_id", text),  one("done", boolean),
+    one("message", text), one("num_models", int32), many("models", kModelInfo, "num_models", kMaxRows),
+};
+
+constexpr WireField kGraspOutcomeFields[] = {
+    one("utime", int64),       one("request_id", text),
+    one("grasp_index", int32), one("robot", text),
+    one("succeeded", boolean), one("what", text),
+    one("num_forces", int32),  many("forces_n", float64, "num_forces", kMaxRows),
+};
+
+constexpr WireField kOutcomeReplyFields[] = {
+    one("utime", int64), one("request_id", text), one("grasp_index", int32),
+    one("robot", text),  one("receipt", int8),    one("message", text),
+};
+
+constexpr WireField kRetrainRequestFields[] = {
+    one("utime", int64),
+    one("request_id", text),
+    one("cancel", boolean),
+    one("reason", text),
+};
+
+constexpr WireField kTrainingStatusFields[] = {
+    one("utime", int64),
+    one("worker", text),
+    one("state", int8),
+    one("request_id", text),
+    one("cause", text),
+    one("stage", text),
+    one("progress", float64),
+    one("remaining_s", float64),
+    one("labels", int64),
+    one("outcomes", int64),
+    one("outcomes_waiting", int64),
+    one("in_service", text),
+    one("candidate", text),
+    one("published", boolean),
+    one("message", text),
+};
+
 }  // namespace
 
 constexpr WireLayout kPlanRequest{"plan_request_t", kPlanRequestFields};
 constexpr WireLayout kPlanResponse{"plan_response_t", kPlanResponseFields};
 constexpr WireLayout kStatus{"status_t", kStatusFields};
 constexpr WireLayout kCancel{"cancel_t", kCancelFields};
+constexpr WireLayout kPublishModel{"publish_model_t", kPublishModelFields};
+constexpr WireLayout kModelReply{"model_reply_t", kModelReplyFields};
+constexpr WireLayout kModelsRequest{"models_request_t", kModelsRequestFields};
+constexpr WireLayout kModelsReply{"models_reply_t", kModelsReplyFields};
+constexpr WireLayout kGraspOutcome{"grasp_outcome_t", kGraspOutcomeFields};
+constexpr WireLayout kOutcomeReply{"outcome_reply_t", kOutcomeReplyFields};
+constexpr WireLayout kRetrainRequest{"retrain_request_t", kRetrainRequestFields};
+constexpr WireLayout kTrainingStatus{"training_status_t", kTrainingStatusFields};
 
 }  // namespace wire
 

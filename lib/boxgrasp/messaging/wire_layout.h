@@ -36,10 +36,19 @@ extern const WireLayout kPlanRequest;
 extern const WireLayout kPlanResponse;
 extern const WireLayout kStatus;
 extern const WireLayout kCancel;
+extern const WireLayout kPublishModel;
+extern const WireLayout kModelReply;
+extern const WireLayout kModelsRequest;
+extern const WireLayout kModelsReply;
+extern const WireLayout kGraspOutcome;
+extern const WireLayout kOutcomeReply;
+extern const WireLayout kRetrainRequest;
+extern const WireLayout kTrainingStatus;
 
 }  // namespace wire
 
 inline constexpr std::int64_t kMaxMessageBytes = std::int64_t{1} << 28;  // LCM's receivers drop larger ones
+inline constexpr std::int64_t kMaxModelBytes = std::int64_t{32} << 20;   // what model files may have
 inline constexpr std::int64_t kMinTextBytes = 5;        // an empty string: its length and its end mark
 inline constexpr std::int64_t kMaxTextBytes = 1 << 16;  // of one string, with its end mark
 

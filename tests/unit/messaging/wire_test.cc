@@ -37,14 +37,27 @@ Bytes smallRequest() {
   return encoded(message);
 }
 
+template <typename Message>
+void expectGeneratedFingerprint() {
+  EXPECT_EQ(wireFingerprint(layoutOf<Message>()), static_cast<std::uint64_t>(Message::getHash()))
+      << Message::getTypeName();
+}
+
 // The table says what the .lcm file says: LCM's fingerprint covers every name, type and dimension.
 TEST(WireLayout, HasTheFingerprintOfTheGeneratedType) {
-  EXPECT_EQ(wireFingerprint(wire::kPointCloud),
-            static_cast<std::uint64_t>(drake::lcmt_point_cloud::getHash()));
-  EXPECT_EQ(wireFingerprint(wire::kPlanRequest), static_cast<std::uint64_t>(plan_request_t::getHash()));
-  EXPECT_EQ(wireFingerprint(wire::kPlanResponse), static_cast<std::uint64_t>(plan_response_t::getHash()));
-  EXPECT_EQ(wireFingerprint(wire::kStatus), static_cast<std::uint64_t>(status_t::getHash()));
-  EXPECT_EQ(wireFingerprint(wire::kCancel), static_cast<std::uint64_t>(cancel_t::getHash()));
+  expectGeneratedFingerprint<drake::lcmt_point_cloud>();
+  expectGeneratedFingerprint<plan_request_t>();
+  expectGeneratedFingerprint<plan_response_t>();
+  expectGeneratedFingerprint<status_t>();
+  expectGeneratedFingerprint<cancel_t>();
+  expectGeneratedFingerprint<publish_model_t>();
+  expectGeneratedFingerprint<model_reply_t>();
+  expectGeneratedFingerprint<models_request_t>();
+  expectGeneratedFingerprint<models_reply_t>();
+  expectGeneratedFingerprint<grasp_outcome_t>();
+  expectGeneratedFingerprint<outcome_reply_t>();
+  expectGeneratedFingerprint<retrain_request_t>();
+  expectGeneratedFingerprint<training_status_t>();
 }
 
 // Computed by lcm-gen 1.3.1 from the members that Drake documents for its type.
