@@ -24,7 +24,37 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/lcmtypes ${PROJECT_SOURCE_DIR}/deploy/ha
                   ${PROJECT_SOURCE_DIR}/deploy/models DESTINATION ${CMAKE_INSTALL_DATADIR}/boxgrasp)
 install(FILES ${PROJECT_SOURCE_DIR}/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)
-install(FILES ${PROJECT_SOURCE_DIR}/deploy/boxgrasp.toml DESTINATION ${CMAKE_INSTALL_FULL_SYSCONFDIR}/boxgrasp)
+install(FILES ${PROJECT_SOURCE_DIR}/deploy/boxgrasp.toml DESTINATION /etc/boxgrasp)
+
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES ${CMAKE_CURRENT_LIST_DIR}/completion/boxgrasp
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
+install(CODE "file(CREATE_LINK boxgrasp
+  \$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_DATADIR}/bash-completion/completions/boxgrasp-server SYMBOLIC)
+file(CREATE_LINK boxgrasp
+  \$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_DATADIR}/bash-completion/completions/boxgrasp-trainer SYMBOLIC)")
+
+# Manual pages: what the programs say of themselves, so that neither can say anything else.
+find_package(Python3 REQUIRED COMPONENTS Interpreter)
+foreach(program boxgrasp boxgrasp-server boxgrasp-trainer)
+  set(page ${PROJECT_BINARY_DIR}/man/${program}.1.gz)
+  add_custom_command(OUTPUT ${page} DEPENDS ${program} ${CMAKE_CURRENT_LIST_DIR}/man_page VERBATIM
+    COMMAND sh -c "'${CMAKE_CURRENT_LIST_DIR}/man_page' \"$1\" ${PROJECT_VERSION} | gzip -9n >'${page}'"
+            sh $<TARGET_FILE:${program}>)
+  list(APPEND pages ${page})
+endforeach()
+file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/man)
+add_custom_target(manual_pages ALL DEPENDS ${pages})
+install(FILES ${pages} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+
+# Debian's changelog, of the changelog that people read.
+configure_file(${CMAKE_CURRENT_LIST_DIR}/changelog.in ${PROJECT_BINARY_DIR}/changelog @ONLY)
+add_custom_command(OUTPUT ${PROJECT_BINARY_DIR}/changelog.gz DEPENDS ${PROJECT_BINARY_DIR}/changelog VERBATIM
+  COMMAND sh -c "gzip -9n <'${PROJECT_BINARY_DIR}/changelog' >'${PROJECT_BINARY_DIR}/changelog.gz'")
+add_custom_target(package_changelog ALL DEPENDS ${PROJECT_BINARY_DIR}/changelog.gz)
+install(FILES ${PROJECT_BINARY_DIR}/changelog.gz DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES ${CMAKE_CURRENT_LIST_DIR}/lintian-overrides DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides
+        RENAME boxgrasp)
 
 # The service.
 install(FILES ${PROJECT_SOURCE_DIR}/deploy/systemd/boxgrasp-server.service DESTINATION lib/systemd/system)
@@ -33,7 +63,7 @@ install(FILES ${PROJECT_SOURCE_DIR}/deploy/systemd/boxgrasp.sysusers DESTINATION
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME boxgrasp)
-set(CPACK_PACKAGE_CONTACT "The Boxgrasp developers <boxgrasp@localhost>")
+set(CPACK_PACKAGE_CONTACT "The Boxgrasp developers <boxgrasp@example.org>")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "grasp planning for three-finger hands from point clouds")
 set(CPACK_PACKAGE_DESCRIPTION
     "Boxgrasp answers point clouds that arrive over LCM with ranked grasps of a\n\
