@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+
+#include "boxgrasp/base/error.h"
 
 namespace boxgrasp {
 namespace {
@@ -111,6 +115,17 @@ Camera framing(const std::vector<Vector3d>& corners_C, const Vector3d& forward_C
   camera.center_C = axes.transpose() * box_V.center();
   camera.height_m = 1.08 * std::max({box_V.sizes().y(), box_V.sizes().x() / aspect, 1e-3});
   return camera;
+}
+
+void writePng(const cv::Mat3b& image, const std::filesystem::path& file) {
+  std::vector<unsigned char> bytes;
+  cv::imencode(".png", image, bytes);
+  std::ofstream stream(file, std::ios::binary | std::ios::trunc);
+  stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  stream.close();
+  if (!stream)
+    throw InputError(
+        fmt::format("cannot write the picture to '{}': check the folder and the free space", file.string()));
 }
 
 }  // namespace boxgrasp

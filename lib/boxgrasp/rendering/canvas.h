@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <filesystem>
 #include <opencv2/core.hpp>
 #include <string>
 #include <vector>
@@ -34,6 +35,7 @@ class Canvas {
   void mesh(const TriangleMesh& mesh_A, const Pose& X_CA, Colour colour);
 
   const cv::Mat3b& image() const { return image_; }
+  Vector2d pixel(const Vector3d& p_C) const { return project(p_C).head<2>(); }  // column, row; any
 
  private:
   Vector3d project(const Vector3d& p_C) const;  // column, row, depth
@@ -51,5 +53,8 @@ void label(cv::Mat3b& image, const std::string& text, int column, int row, doubl
 // The camera that shows all corners, from a direction.
 Camera framing(const std::vector<Vector3d>& corners_C, const Vector3d& forward_C, const Vector3d& up_C,
                double aspect);
+
+// Throws InputError when the file cannot be written.
+void writePng(const cv::Mat3b& image, const std::filesystem::path& file);
 
 }  // namespace boxgrasp

@@ -61,13 +61,21 @@ TriangleMesh cylinderMesh(const Vector3d& a, const Vector3d& b, double radius) {
   return mesh;
 }
 
+DrawnPart palmMesh(const HandDescription& hand) {
+  return {cylinderMesh({0, 0, -hand.palm_thickness}, {0, 0, 0}, hand.palm_radius), -1};
+}
+
+DrawnPart linkMesh(const Capsule& link) { return {capsuleMesh(link.a, link.b, link.radius), link.finger}; }
+
 std::vector<DrawnPart> handMesh(const HandDescription& hand, const HandJoints& joints) {
-  const HandGeometry geometry = forwardKinematics(hand, joints);
-  std::vector<DrawnPart> parts;
-  parts.push_back({cylinderMesh({0, 0, -geometry.palm_thickness}, {0, 0, 0}, geometry.palm_radius), -1});
-  for (const Capsule& link : geometry.links)
-    parts.push_back({capsuleMesh(link.a, link.b, link.radius), link.finger});
+  std::vector<DrawnPart> parts{palmMesh(hand)};
+  for (const Capsule& link : forwardKinematics(hand, joints).links) parts.push_back(linkMesh(link));
   return parts;
+}
+
+Colour fingerColour(int finger) {
+  constexpr std::array<Colour, 4> kColours{{{150, 150, 160}, {214, 90, 60}, {60, 130, 214}, {70, 170, 90}}};
+  return kColours[static_cast<std::size_t>(finger + 1)];
 }
 
 }  // namespace boxgrasp

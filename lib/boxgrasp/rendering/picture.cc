@@ -4,9 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <numbers>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "boxgrasp/base/error.h"
@@ -26,9 +24,7 @@ constexpr std::array<Colour, 10> kBoxColours{{{31, 119, 180},
                                               {23, 190, 207},
                                               {214, 39, 40},
                                               {100, 100, 100}}};
-constexpr std::array<Colour, 3> kFingerColours{{{214, 90, 60}, {60, 130, 214}, {70, 170, 90}}};
-constexpr Colour kPalmColour{150, 150, 160}, kSceneColour{205, 205, 205}, kContactColour{220, 0, 0},
-    kInk{20, 20, 20};
+constexpr Colour kSceneColour{205, 205, 205}, kContactColour{220, 0, 0}, kInk{20, 20, 20};
 // Corners differ in one bit of their numbers along each edge.
 constexpr std::array<std::array<int, 2>, 12> kBoxEdges{
     {{0, 1}, {0, 2}, {0, 4}, {1, 3}, {1, 5}, {2, 3}, {2, 6}, {3, 7}, {4, 5}, {4, 6}, {5, 7}, {6, 7}}};
@@ -90,7 +86,7 @@ cv::Mat3b boxesPanel(const PlanResult& result, const PlanTrace& trace, int side_
 
 void drawHand(Canvas& canvas, const HandDescription& hand, const Grasp& grasp) {
   for (const DrawnPart& part : handMesh(hand, grasp.joints)) {
-    canvas.mesh(part.mesh_P, grasp.X_CP, part.finger < 0 ? kPalmColour : kFingerColours[part.finger]);
+    canvas.mesh(part.mesh, grasp.X_CP, fingerColour(part.finger));
   }
 }
 
@@ -236,14 +232,7 @@ cv::Mat3b drawPlan(const PlanResult& result, const PlanTrace& trace, const HandD
 
 void writePlanPicture(const PlanResult& result, const PlanTrace& trace, const HandDescription& hand,
                       const std::filesystem::path& png, const PictureOptions& options) {
-  std::vector<unsigned char> bytes;
-  cv::imencode(".png", drawPlan(result, trace, hand, options), bytes);
-  std::ofstream file(png, std::ios::binary | std::ios::trunc);
-  file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  file.close();
-  if (!file)
-    throw InputError(
-        fmt::format("cannot write the picture to '{}': check the folder and the free space", png.string()));
+  writePng(drawPlan(result, trace, hand, options), png);
 }
 
 }  // namespace boxgrasp
