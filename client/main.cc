@@ -86,7 +86,6 @@ void checkTogether(const PlanCommand& command) {
 int main(int argc, char** argv) {
   CLI::App app{"Ranked grasps of a Barrett hand for a point cloud."};
   app.set_version_flag("--version", BOXGRASP_VERSION);
-  app.set_help_all_flag("--help-all", "print the help of every command");
   app.require_subcommand(1);
   PlanCommand command;
   const CLI::App* plan = addPlanCommand(app, "plan", "print ranked grasps", command);
