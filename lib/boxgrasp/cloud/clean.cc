@@ -8,8 +8,8 @@
 #include "boxgrasp/base/error.h"
 #include "boxgrasp/base/tolerances.h"
 #include "boxgrasp/cloud/neighbours.h"
-#include "boxgrasp/cloud/voxels.h"
 #include "boxgrasp/geometry/canonical_frame.h"
+#include "boxgrasp/geometry/voxels.h"
 
 namespace boxgrasp {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "boxgrasp/cloud/voxels.h"
+#include "boxgrasp/geometry/voxels.h"
 
 namespace boxgrasp {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "boxgrasp/base/simd.h"
-#include "boxgrasp/cloud/voxels.h"
+#include "boxgrasp/geometry/voxels.h"
 
 namespace boxgrasp {
 namespace neighbour_passes {

@@ -10,8 +10,8 @@
 #include "boxgrasp/base/error.h"
 #include "boxgrasp/cloud/clusters.h"
 #include "boxgrasp/cloud/plane_fit.h"
-#include "boxgrasp/cloud/voxels.h"
 #include "boxgrasp/geometry/polygon.h"
+#include "boxgrasp/geometry/voxels.h"
 
 namespace boxgrasp {
 

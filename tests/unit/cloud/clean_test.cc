@@ -13,8 +13,8 @@
 #include "boxgrasp/base/error.h"
 #include "boxgrasp/base/random.h"
 #include "boxgrasp/cloud/neighbours.h"
-#include "boxgrasp/cloud/voxels.h"
 #include "boxgrasp/geometry/point_grid.h"
+#include "boxgrasp/geometry/voxels.h"
 #include "random_pose.h"
 
 namespace boxgrasp {

@@ -1,5 +1,5 @@
 // Sorting points into voxels, in an order that depends on where the points are and not on how they were
-// given. Internal to this room.
+// given.
 #pragma once
 
 #include <array>

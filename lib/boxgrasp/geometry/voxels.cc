@@ -1,4 +1,4 @@
-#include "boxgrasp/cloud/voxels.h"
+#include "boxgrasp/geometry/voxels.h"
 
 #include <algorithm>
 #include <array>
