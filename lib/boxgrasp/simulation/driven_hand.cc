@@ -11,8 +11,7 @@ namespace {
 // Of the links in a maker-based model, which sums to the hand's weight (definitions, 3.2).
 constexpr double kInnerMass = 0.062, kOuterMass = 0.041;  // kg
 
-// Share of a joint's error that one step of its servo removes.
-constexpr double kServoGain = 0.2;
+constexpr double kServoRate = 100.0;  // 1/s: how fast a joint's servo removes its error
 
 // Of a solid cylinder of the capsule's full length about its middle: the caps' rounding is nothing beside the
 // gears, which no model of the hand gives.
@@ -35,6 +34,7 @@ void DriveOptions::validate() const {
   requireOption(pressing_rate_rad_s > 0, "pressing_rate_rad_s", pressing_rate_rad_s, "positive");
   requireOption(touch_torque_nm > 0, "touch_torque_nm", touch_torque_nm, "positive");
   requireOption(breakaway_torque_nm > 0, "breakaway_torque_nm", breakaway_torque_nm, "positive");
+  requireOption(load_limit_n > 0, "load_limit_n", load_limit_n, "positive");
   requireOption(stalled_share > 0 && stalled_share < 1, "stalled_share", stalled_share, "between 0 and 1");
   requireOption(stalled_time_s > 0, "stalled_time_s", stalled_time_s, "positive");
 }
@@ -108,6 +108,7 @@ bool DrivenHand::waits() const {
 void DrivenHand::recall(const DriveMemory& memory) {
   fingers_ = memory.fingers;
   rate_ = memory.rate;
+  load_n_ = memory.load_n;
 }
 
 void DrivenHand::follow(DrivenFinger& finger) {
@@ -126,21 +127,21 @@ void DrivenHand::follow(DrivenFinger& finger) {
 }
 
 void DrivenHand::driveFinger(DrivenFinger& finger) {
-  const double servo = kServoGain / world_.stepSize();
   const double tip = hand_.tip_length + hand_.tip_radius;
-  const double outer_torque = hand_.max_tip_force * tip;
+  const double outer_torque = options_.load_limit_n * tip;
   const double inner = world_.angle(finger.inner_hinge);
   if (finger.state == DriveState::closing) {
     const double target = outerAngle(hand_, inner + finger.inner_start) - finger.outer_start;
     world_.drive(finger.inner_hinge, rate_, options_.breakaway_torque_nm);
     world_.drive(finger.outer_hinge,
                  hand_.coupling * world_.rate(finger.inner_hinge) +
-                     servo * (target - world_.angle(finger.outer_hinge)),
+                     kServoRate * (target - world_.angle(finger.outer_hinge)),
                  outer_torque);
   } else {
-    world_.drive(finger.inner_hinge, servo * (finger.lock_angle - inner),
-                 hand_.max_tip_force * (hand_.inner_length + tip));
-    world_.drive(finger.outer_hinge, (1 + hand_.coupling) * rate_, outer_torque);
+    world_.drive(finger.inner_hinge, kServoRate * (finger.lock_angle - inner),
+                 options_.load_limit_n * (hand_.inner_length + tip));
+    const double eased = std::clamp(1.0 - load_n_ / hand_.max_tip_force, -1.0, 1.0);
+    world_.drive(finger.outer_hinge, (1 + hand_.coupling) * eased * rate_, outer_torque);
   }
 }
 

@@ -12,7 +12,9 @@ namespace boxgrasp {
 // How a finger is driven (definitions, 3.3). One motor turns both joints: until the clutch opens, the outer
 // by `coupling` of the inner. The clutch opens when the inner joint's load reaches breakaway_torque_nm; the
 // inner link then stays, its worm gear not to be driven backwards below the hand's load limit, and the motor
-// goes on to turn the outer link alone, faster, since the sum of both angles follows the motor.
+// goes on to turn the outer link alone, faster, since the sum of both angles follows the motor. It turns the
+// slower the nearer the heaviest loaded outer link of the hand is to max_tip_force, and back beyond it: so no
+// finger presses with more, and two fingers do not overwhelm the one between them.
 struct DriveOptions {
   // Of the inner joint until the object is touched: half of what the real hand can, which closes in about a
   // second.
@@ -22,6 +24,7 @@ struct DriveOptions {
   double pressing_rate_rad_s = 0.8;
   double touch_torque_nm = 0.05;     // with which a finger that has touched waits for the others
   double breakaway_torque_nm = 0.5;  // of the clutch, at the inner joint; GraspIt!'s value
+  double load_limit_n = 19.6;        // that a locked finger bears at its tip: 2 kg (definitions, 3.3)
   double stalled_share = 0.1;        // a joint slower than this share of its rate ...
   double stalled_time_s = 0.02;      // ... for this long has stalled
   void validate() const;
@@ -47,7 +50,7 @@ struct DrivenPart {
 // What the motors do and the clutches have done.
 struct DriveMemory {
   std::array<DrivenFinger, 3> fingers;
-  double rate = 0.0;
+  double rate = 0.0, load_n = 0.0;
 };
 
 class DrivenHand {
@@ -55,6 +58,9 @@ class DrivenHand {
   // With the palm in pose X_WP and these joints; the spread stays as it is. Keeps a reference to the world.
   DrivenHand(const HandDescription& hand, const HandJoints& joints, const Pose& X_WP,
              const DriveOptions& options, PhysicsWorld& world);
+
+  // The force on the outer link that bears most, as its strain gauge says.
+  void feel(double load_n) { load_n_ = load_n; }
 
   // Sets the motors for the next step and follows clutches and stalls; the motors press on after they
   // stalled.
@@ -67,7 +73,7 @@ class DrivenHand {
   void resume();       // all fingers, pressing
   bool waits() const;  // every finger is paused or has stalled
 
-  DriveMemory memory() const { return {fingers_, rate_}; }
+  DriveMemory memory() const { return {fingers_, rate_, load_n_}; }
   void recall(const DriveMemory& memory);
 
   HandJoints joints() const;
@@ -88,7 +94,7 @@ class DrivenHand {
   HandDescription hand_;
   DriveOptions options_;
   PhysicsWorld& world_;
-  double spread_, rate_;
+  double spread_, rate_, load_n_ = 0.0;
   BodyId palm_ = nullptr;
   std::array<DrivenFinger, 3> fingers_;
   std::vector<DrivenPart> parts_;

@@ -151,6 +151,15 @@ bool Grasping::rest(double time_s, const Vector3d& force_W) {
   return true;
 }
 
+bool Grasping::settle() {
+  for (double t = 0; t < options_.settle_limit_s; t += options_.settle_time_s) {
+    const Vector3d before = scene_->objectInPalm().translation();
+    if (!rest(options_.settle_time_s, Vector3d::Zero())) return false;
+    if ((scene_->objectInPalm().translation() - before).norm() < options_.still_m) break;
+  }
+  return true;
+}
+
 // Closes each finger until it touches the object, which stays where it is.
 void Grasping::touch() {
   phase_ = TrialPhase::touch;
@@ -174,10 +183,10 @@ bool Grasping::close() {
   for (double t = 0; t < options_.close_time_s && !scene_->hand().stalled(); t += scene_->stepSize()) {
     step(X_WP_, Vector3d::Zero());
   }
-  const bool stays = rest(options_.settle_time_s, Vector3d::Zero());
+  const bool stays = settle();
   readHand();
-  if (!result_.contacts.empty()) return stays || ends(TrialOutcome::unstable);
-  return ends(TrialOutcome::missed);
+  if (!stays) return ends(TrialOutcome::unstable);
+  return !result_.contacts.empty() || ends(TrialOutcome::missed);
 }
 
 void Grasping::readHand() {
@@ -201,7 +210,7 @@ std::vector<TrialContact> Grasping::pressing() const {
 bool Grasping::letGo() {
   phase_ = TrialPhase::settle;
   scene_->world().release();
-  const bool stays = rest(options_.settle_time_s, Vector3d::Zero()) && !scene_->contacts().empty();
+  const bool stays = settle() && !scene_->contacts().empty();
   if (stays) readHand();
   result_.quality = qualityOf(result_.contacts);
   return stays || ends(TrialOutcome::unstable);

@@ -55,6 +55,7 @@ class Grasping {
   bool approach();
   void touch();
   bool close();
+  bool settle();
   bool letGo();
   void readHand();
   std::vector<TrialContact> pressing() const;

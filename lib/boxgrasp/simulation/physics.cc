@@ -2,6 +2,7 @@
 
 #include <ode/ode.h>
 
+#include <algorithm>
 #include <cassert>
 #include <mutex>
 
@@ -66,6 +67,13 @@ void setTangent(dContact& contact, const Vector3d& slip_W, const Vector3d& norma
   if (!(speed > kSlipSpeed)) return;
   contact.surface.mode |= dContactFDir1;
   for (int i = 0; i < 3; ++i) contact.fdir1[i] = along_W[i] / speed;
+}
+
+// What the pad presses with at this depth and speed of the pusher into the pushed body. Friction is bounded
+// by this rather than by the engine's own normal force, which it takes from a solution without friction: that
+// may be far from the one with it, and then labels depend on the step.
+double pressure(const ContactMaterial& material, double depth, double closing_speed) {
+  return std::max(0.0, material.stiffness * depth + material.damping * closing_speed);
 }
 
 }  // namespace
@@ -217,9 +225,9 @@ std::vector<Vector3d> PhysicsWorld::step(const std::vector<PhysicalContact>& con
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const PhysicalContact& from = contacts[i];
     dContact contact = {};
-    contact.surface.mode =
-        dContactSoftERP | dContactSoftCFM | dContactSlip1 | dContactSlip2 | dContactApprox1;
-    contact.surface.mu = from.friction;
+    const Vector3d slip_W = velocityAt(from.pushed, from.p_W) - velocityAt(from.pusher, from.p_W);
+    contact.surface.mode = dContactSoftERP | dContactSoftCFM | dContactSlip1 | dContactSlip2;
+    contact.surface.mu = from.friction * pressure(material_, from.depth, -slip_W.dot(from.normal_W));
     contact.surface.slip1 = contact.surface.slip2 = kCreep;
     const double impulse = step_s_ * material_.stiffness + material_.damping;
     contact.surface.soft_erp = step_s_ * material_.stiffness / impulse;
@@ -229,7 +237,7 @@ std::vector<Vector3d> PhysicsWorld::step(const std::vector<PhysicalContact>& con
       contact.geom.pos[k] = from.p_W[k];
       contact.geom.normal[k] = from.normal_W[k];
     }
-    setTangent(contact, velocityAt(from.pushed, from.p_W) - velocityAt(from.pusher, from.p_W), from.normal_W);
+    setTangent(contact, slip_W, from.normal_W);
     const dJointID joint = dJointCreateContact(impl_->world, impl_->contacts, &contact);
     dJointAttach(joint, from.pushed, from.pusher);
     dJointSetFeedback(joint, &feedback[i]);

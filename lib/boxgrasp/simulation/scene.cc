@@ -1,5 +1,8 @@
 #include "boxgrasp/simulation/scene.h"
 
+#include <algorithm>
+#include <array>
+
 namespace boxgrasp {
 
 GraspScene::GraspScene(const HandDescription& hand, const HandJoints& joints, const Pose& X_OP,
@@ -35,6 +38,16 @@ std::vector<PhysicalContact> GraspScene::findContacts() {
   return contacts;
 }
 
+double GraspScene::heaviestLoad() const {
+  std::array<double, 3> load_n{};
+  for (const SceneContact& contact : contacts_) {
+    const auto& [part, body] = hand_.parts()[contact.part];
+    if (part.finger < 0 || body != hand_.fingers()[part.finger].outer) continue;
+    load_n[part.finger] += contact.force_O.dot(contact.touch.normal_O);
+  }
+  return *std::max_element(load_n.begin(), load_n.end());
+}
+
 const std::vector<SceneContact>& GraspScene::step(const Pose& X_WP, const Vector3d& force_W) {
   world_.moveTo(hand_.palm(), X_WP);
   world_.push(object_, force_W);
@@ -45,6 +58,7 @@ const std::vector<SceneContact>& GraspScene::step(const Pose& X_WP, const Vector
   const Matrix3d R_OW = world_.pose(object_).linear().transpose();
   const std::vector<Vector3d> forces_W = world_.step(contacts);
   for (std::size_t i = 0; i < contacts_.size(); ++i) contacts_[i].force_O = R_OW * forces_W[i];
+  hand_.feel(heaviestLoad());
   return contacts_;
 }
 

@@ -19,6 +19,7 @@ struct SceneContact {
 };
 
 struct PhysicsOptions {
+  // Half of it ends 1.8 % of 448 grasps with another word; a step of 0.001, twice as slow, 0.9 %.
   double step_s = 0.002;
   double friction = 0.5;
   double mass_factor = 1.0;  // of the object's mass and inertia: to ask what another weight would do
@@ -60,6 +61,7 @@ class GraspScene {
 
  private:
   std::vector<PhysicalContact> findContacts();
+  double heaviestLoad() const;  // of an outer link by the object, newtons
 
   const SimulatedObject& solid_;
   double friction_;

@@ -94,7 +94,9 @@ void TrialOptions::validate() const {
   notNegative("touch_depth_m", touch_depth_m);
   notNegative("back_up_m", back_up_m);
   notNegative("support_friction", support_friction);
-  notNegative("settle_time_s", settle_time_s);
+  positive("settle_time_s", settle_time_s);
+  positive("still_m", still_m);
+  positive("settle_limit_s", settle_limit_s);
   notNegative("lift_height_m", lift_height_m);
   notNegative("wait_time_s", wait_time_s);
   notNegative("push_limit_n", push_limit_n);

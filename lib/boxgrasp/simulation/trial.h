@@ -35,8 +35,12 @@ struct TrialOptions {
   // as in the paper's simulator; then all press together, and the object gives way as if it stood on a table
   // of this friction.
   double support_friction = 0.5;
-  double close_time_s = 3.0;   // fingers that have not stalled by then never will
-  double settle_time_s = 0.1;  // of the closed hand, and again once the support is gone
+  double close_time_s = 3.0;  // fingers that have not stalled by then never will
+  // Of the closed hand, and again once the support is gone: until the object moves less than this in one such
+  // time, so that what leaves the hand slowly has left it before the lift.
+  double settle_time_s = 0.1;
+  double still_m = 0.0005;
+  double settle_limit_s = 1.0;
 
   WrenchNorm norm = WrenchNorm::l1;  // of epsilon and nu
   int cone_edges = 8;
