@@ -9,6 +9,7 @@
 #include "boxgrasp/planning/grasp_planner.h"
 #include "boxgrasp/planning/planner_config.h"
 #include "boxgrasp/rendering/picture.h"
+#include "boxgrasp/viewer/plan_page.h"
 #include "plan_json.h"
 #include "plan_text.h"
 #include "remote.h"
@@ -41,16 +42,25 @@ StopToken deadlineOf(const PlanCommand& command) {
                                                  std::chrono::duration<double>(command.deadline_s)));
 }
 
-// Plans here, and draws the plan where a picture is asked for.
+void draw(const PlanCommand& command, const PlanResult& result, const PlanTrace& trace,
+          const HandDescription& hand) {
+  const std::string title = command.file.filename().string();
+  if (command.picture && !result.objects.empty()) {
+    writePlanPicture(result, trace, hand, *command.picture, {.title = title});
+    fmt::print(stderr, "boxgrasp: picture written to {}\n", command.picture->string());
+  }
+  if (command.html) {
+    writePlanPage(planScene(result, trace, hand, {.title = title}), *command.html);
+    fmt::print(stderr, "boxgrasp: page written to {}\n", command.html->string());
+  }
+}
+
+// Plans here, and draws the plan where that is asked for.
 plan_response_t planHere(const PlanCommand& command, const PlanRequest& request) {
   const GraspPlanner planner = plannerOf(command);
   PlanTrace trace;
-  const PlanResult result = planner.plan(request, deadlineOf(command), command.picture ? &trace : nullptr);
-  if (command.picture && !result.objects.empty()) {
-    writePlanPicture(result, trace, planner.hand(), *command.picture,
-                     {.title = command.file.filename().string()});
-    fmt::print(stderr, "boxgrasp: picture written to {}\n", command.picture->string());
-  }
+  const PlanResult result = planner.plan(request, deadlineOf(command), command.draws() ? &trace : nullptr);
+  draw(command, result, trace, planner.hand());
   return toMessage(result, "", command.frame);
 }
 
@@ -62,11 +72,11 @@ plan_response_t answerTo(const PlanCommand& command) {
   const PlanRequest request = requestOf(command);
   if (command.local) return planHere(command, request);
   plan_response_t answer = planThere(command, request);
-  // The picture needs what the planner saw on its way, which does not go over the wire: the same plan, made
+  // A drawing needs what the planner saw on its way, which does not go over the wire: the same plan, made
   // again.
-  if (command.picture && planHere(command, request).model_version != answer.model_version)
+  if (command.draws() && planHere(command, request).model_version != answer.model_version)
     fmt::print(stderr,
-               "boxgrasp: the server ranks with model {}; the picture shows this program's own ranking\n",
+               "boxgrasp: the server ranks with model {}; the drawing shows this program's own ranking\n",
                answer.model_version);
   return answer;
 }

@@ -17,7 +17,8 @@ struct PlanCommand {
   std::string lcm_url = "udpm://239.255.76.67:7667?ttl=0";
   bool local = false;                                        // plan in this process
   std::optional<std::filesystem::path> config, model, hand;  // of the plan in this process
-  std::optional<std::filesystem::path> picture;
+  std::optional<std::filesystem::path> picture, html;
+  bool draws() const { return picture || html; }
   bool json = false;
   int top = 10;             // 0: all
   double deadline_s = 0.0;  // 0: none
@@ -30,7 +31,7 @@ struct PlanCommand {
 // and the server throw.
 int runPlan(const PlanCommand& command);     // the ranked grasps
 int runExplain(const PlanCommand& command);  // where candidates were lost
-int runShow(const PlanCommand& command);     // the picture alone
+int runShow(const PlanCommand& command);     // the picture or the page alone
 int runStatus(const std::string& lcm_url, bool json);
 
 }  // namespace boxgrasp

@@ -58,6 +58,7 @@ CLI::App* addPlanCommand(CLI::App& app, const std::string& name, const std::stri
   addOutputOptions(*sub, command.lcm_url, command.json);
   sub->add_flag("--local", command.local, "plan in this process, without a server");
   sub->add_option("--picture", command.picture, "also draw the plan into this PNG file");
+  sub->add_option("--html", command.html, "also write the plan as an interactive 3D page, one HTML file");
   return sub;
 }
 
@@ -75,7 +76,7 @@ int fail(const PlanCommand& command, bool json, const std::string& outcome, cons
 
 // What reading a plan's options alone cannot refuse.
 void checkTogether(const PlanCommand& command) {
-  const bool plans_here = command.local || command.picture;
+  const bool plans_here = command.local || command.draws();
   if (!plans_here && (command.config || command.model || command.hand))
     throw CLI::ValidationError("--config, --model and --hand",
                                "are for plans made here; add --local, or give them to boxgrasp-server");
@@ -92,14 +93,14 @@ int main(int argc, char** argv) {
   const CLI::App* explain =
       addPlanCommand(app, "explain", "print where grasp candidates were lost, and why", command);
   const CLI::App* show =
-      addPlanCommand(app, "show", "draw the plan, made in this process, into --picture", command);
+      addPlanCommand(app, "show", "draw the plan, made in this process, into --picture or --html", command);
   CLI::App* status = app.add_subcommand("status", "print how the server is");
   addOutputOptions(*status, command.lcm_url, command.json);
   try {
     app.parse(argc, argv);
     if (show->parsed()) {
       command.local = true;
-      if (!command.picture) throw CLI::RequiredError("--picture");
+      if (!command.draws()) throw CLI::RequiredError("--picture or --html");
     }
     if (!status->parsed()) checkTogether(command);
   } catch (const CLI::ParseError& error) {

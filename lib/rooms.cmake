@@ -36,6 +36,21 @@ configure_file(boxgrasp/planning/default_model_json.cc.in default_model_json.cc 
 target_sources(boxgrasp_planning PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/default_model_json.cc)
 boxgrasp_room(rendering     ROOMS base geometry decomposition projection synthesis hand planning
                             LIBRARIES opencv_core opencv_imgproc opencv_imgcodecs)
+boxgrasp_room(viewer        ROOMS base geometry decomposition projection hand planning rendering
+                            LIBRARIES nlohmann_json::nlohmann_json opencv_core opencv_imgcodecs)
+# The page's parts are built into the library, so that a page fetches nothing when it is viewed.
+set(three ${CMAKE_SYSROOT}/usr/share/javascript/three)
+foreach(part VIEWER_HTML:boxgrasp/viewer/web/viewer.html VIEWER_CSS:boxgrasp/viewer/web/viewer.css
+             VIEWER_JS:boxgrasp/viewer/web/viewer.js THREE_JS:${three}/three.min.js
+             ORBIT_JS:${three}/examples/js/controls/OrbitControls.js)
+  string(REGEX MATCH "^([A-Z_]+):(.*)$" part ${part})
+  set(part_name ${CMAKE_MATCH_1})
+  file(REAL_PATH ${CMAKE_MATCH_2} part_file)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${part_file})
+  file(READ ${part_file} ${part_name})
+endforeach()
+configure_file(boxgrasp/viewer/web_files.cc.in web_files.cc @ONLY)
+target_sources(boxgrasp_viewer PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/web_files.cc)
 boxgrasp_room(objects       ROOMS base geometry cloud)
 boxgrasp_room(simulation    ROOMS base geometry hand wrench objects LIBRARIES PkgConfig::ODE)
 boxgrasp_room(training     ROOMS base geometry cloud decomposition projection hand quality wrench ranking planning objects simulation)
