@@ -11,6 +11,9 @@ namespace {
 // Of the links in a maker-based model, which sums to the hand's weight (definitions, 3.2).
 constexpr double kInnerMass = 0.062, kOuterMass = 0.041;  // kg
 
+// Share of the hand's limit that the motors press up to, so that what swings past it stays below the limit.
+constexpr double kPressed = 0.93;
+
 constexpr double kServoRate = 100.0;  // 1/s: how fast a joint's servo removes its error
 
 // Of a solid cylinder of the capsule's full length about its middle: the caps' rounding is nothing beside the
@@ -109,6 +112,7 @@ void DrivenHand::recall(const DriveMemory& memory) {
   fingers_ = memory.fingers;
   rate_ = memory.rate;
   load_n_ = memory.load_n;
+  locked_ = memory.locked;
 }
 
 void DrivenHand::follow(DrivenFinger& finger) {
@@ -140,7 +144,8 @@ void DrivenHand::driveFinger(DrivenFinger& finger) {
   } else {
     world_.drive(finger.inner_hinge, kServoRate * (finger.lock_angle - inner),
                  options_.load_limit_n * (hand_.inner_length + tip));
-    const double eased = std::clamp(1.0 - load_n_ / hand_.max_tip_force, -1.0, 1.0);
+    const double eased =
+        std::clamp(1.0 - load_n_ / (kPressed * hand_.max_tip_force), locked_ ? 0.0 : -1.0, 1.0);
     world_.drive(finger.outer_hinge, (1 + hand_.coupling) * eased * rate_, outer_torque);
   }
 }

@@ -13,8 +13,9 @@ namespace boxgrasp {
 // by `coupling` of the inner. The clutch opens when the inner joint's load reaches breakaway_torque_nm; the
 // inner link then stays, its worm gear not to be driven backwards below the hand's load limit, and the motor
 // goes on to turn the outer link alone, faster, since the sum of both angles follows the motor. It turns the
-// slower the nearer the heaviest loaded outer link of the hand is to max_tip_force, and back beyond it: so no
-// finger presses with more, and two fingers do not overwhelm the one between them.
+// slower the nearer the heaviest loaded outer link of the hand is to max_tip_force, and back before it is
+// reached: so no fingertip presses with more, and two fingers do not overwhelm the one between them. Once the
+// grasp is locked, motors still press on where the load falls, but no load turns them back.
 struct DriveOptions {
   // Of the inner joint until the object is touched: half of what the real hand can, which closes in about a
   // second.
@@ -51,6 +52,7 @@ struct DrivenPart {
 struct DriveMemory {
   std::array<DrivenFinger, 3> fingers;
   double rate = 0.0, load_n = 0.0;
+  bool locked = false;
 };
 
 class DrivenHand {
@@ -70,10 +72,11 @@ class DrivenHand {
   // Stops the finger of this part of the hand, with no more than the torque of a touch; the palm and the
   // knuckles on it stop nothing.
   void pause(std::size_t part);
-  void resume();       // all fingers, pressing
-  bool waits() const;  // every finger is paused or has stalled
+  void resume();                   // all fingers, pressing
+  void lock() { locked_ = true; }  // from now on no load turns a motor back
+  bool waits() const;              // every finger is paused or has stalled
 
-  DriveMemory memory() const { return {fingers_, rate_, load_n_}; }
+  DriveMemory memory() const { return {fingers_, rate_, load_n_, locked_}; }
   void recall(const DriveMemory& memory);
 
   HandJoints joints() const;
@@ -95,6 +98,7 @@ class DrivenHand {
   DriveOptions options_;
   PhysicsWorld& world_;
   double spread_, rate_, load_n_ = 0.0;
+  bool locked_ = false;
   BodyId palm_ = nullptr;
   std::array<DrivenFinger, 3> fingers_;
   std::vector<DrivenPart> parts_;

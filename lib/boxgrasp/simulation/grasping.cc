@@ -1,13 +1,14 @@
 #include "boxgrasp/simulation/grasping.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "boxgrasp/base/error.h"
 
 namespace boxgrasp {
 namespace {
 
-constexpr double kFixed = 1e6;  // newtons: more than anything here can press
+constexpr double kFixed = std::numeric_limits<double>::infinity();  // newtons
 
 void requireInput(const HandDescription& hand, const TrialInput& input) {
   const auto require = [](bool holds, std::string_view what) {
@@ -212,6 +213,7 @@ bool Grasping::letGo() {
   scene_->world().release();
   const bool stays = settle() && !scene_->contacts().empty();
   if (stays) readHand();
+  scene_->hand().lock();
   result_.quality = qualityOf(result_.contacts);
   return stays || ends(TrialOutcome::unstable);
 }

@@ -19,7 +19,7 @@ struct SceneContact {
 };
 
 struct PhysicsOptions {
-  // Half of it ends 1.8 % of 448 grasps with another word; a step of 0.001, twice as slow, 0.9 %.
+  // Half of it ends about 1 % of grasps with another word.
   double step_s = 0.002;
   double friction = 0.5;
   double mass_factor = 1.0;  // of the object's mass and inertia: to ask what another weight would do
