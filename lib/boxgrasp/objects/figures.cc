@@ -63,6 +63,24 @@ Shape human() {
       blend({torso, head, neck, arms, legs, feet}, 7), {Vector3d(-30, -62, -6), Vector3d(36, 62, 218)}, 2.3};
 }
 
+// Standing with the arms away from the belly: a tall round head with bulging eyes and a broad muzzle.
+Shape homer() {
+  const Field belly = blend({ellipsoid({4, 0, 74}, {33, 34, 32}), ellipsoid({-2, 0, 112}, {22, 27, 24})}, 14);
+  const Field neck = roundedCylinder({-2, 0, 140}, Vector3d::UnitZ(), 13, 12, 3);
+  const Field head = tube({{-2, 0, 158}, {-1, 0, 176}, {-2, 0, 194}}, {21, 21, 17});
+  const Field muzzle = ellipsoid({16, 0, 158}, {17, 17, 11});
+  const Field eyes = pair(sphere({17, 8.5, 181}, 9));
+  const Field nose = capsule({20, 0, 172}, {32, 0, 170}, 4.5);
+  const Field ears = pair(sphere({-4, 22, 170}, 5));
+  const Field arms = pair(tube({{-2, 24, 120}, {0, 44, 96}, {8, 54, 68}}, {11, 8, 7}));
+  const Field hands = pair(ellipsoid({10, 55, 58}, {8, 6, 10}));
+  const Field legs = pair(tube({{0, 16, 58}, {0, 18, 36}, {-2, 18, 12}}, {18, 15, 11}));
+  const Field shoes = pair(ellipsoid({10, 19, 8}, {25, 13, 8}));
+  const Field body = blend({belly, neck, arms, hands, legs, shoes}, 6);
+  const Field face = blend({head, muzzle, eyes, nose, ears}, 2);
+  return {blend({body, face}, 3), {Vector3d(-38, -68, -6), Vector3d(45, 68, 218)}, 2.2};
+}
+
 Shape squirrel() {
   const Field body = tube({{-6, 0, 32}, {0, 0, 56}, {8, 0, 80}}, {30, 25, 19});
   const Field head = ellipsoid({20, 0, 108}, {24, 19, 20});

@@ -59,8 +59,8 @@ class Partition {
 };
 
 struct EdgeCounts {
-  std::size_t edges = 0;
-  bool closed = true, oriented = true, two_at_most = true;
+  std::size_t edges = 0, open = 0, crowded = 0;
+  bool oriented = true;
 };
 
 EdgeCounts countEdges(const std::vector<HalfEdge>& half_edges) {
@@ -69,10 +69,11 @@ EdgeCounts countEdges(const std::vector<HalfEdge>& half_edges) {
     const HalfEdge& edge = half_edges[i];
     if (i > 0 && edge == half_edges[i - 1]) continue;
     const std::size_t along = count(half_edges, edge), against = count(half_edges, {edge.to, edge.from});
-    if (against == 0 || edge.from < edge.to) ++counts.edges;
-    counts.closed = counts.closed && along + against >= 2;
     counts.oriented = counts.oriented && along == 1;
-    counts.two_at_most = counts.two_at_most && along + against <= 2;
+    if (against > 0 && edge.to < edge.from) continue;
+    ++counts.edges;
+    counts.open += along + against == 1;
+    counts.crowded += along + against > 2;
   }
   return counts;
 }
@@ -155,9 +156,11 @@ MeshTopology topologyOf(const TriangleMesh& mesh) {
   const std::vector<HalfEdge> half_edges = sortedHalfEdges(mesh);
   const EdgeCounts counts = countEdges(half_edges);
   const Components components = componentsOf(mesh);
-  topology.closed = counts.closed;
+  topology.closed = counts.open == 0;
   topology.oriented = counts.oriented;
-  topology.manifold = counts.two_at_most && verticesAreFans(mesh);
+  topology.manifold = counts.crowded == 0 && verticesAreFans(mesh);
+  topology.open_edges = counts.open;
+  topology.crowded_edges = counts.crowded;
   topology.outward =
       topology.closed && topology.oriented &&
       std::all_of(components.volumes.begin(), components.volumes.end(), [](double v) { return v > 0.0; });

@@ -11,6 +11,8 @@ struct MeshTopology {
   bool oriented = false;  // no two triangles run along an edge in the same direction
   bool outward = false;   // closed, oriented, and the enclosed volume of every component is positive
   std::size_t components = 0;
+  std::size_t open_edges = 0;     // edges of a single triangle
+  std::size_t crowded_edges = 0;  // edges of more than two
   int euler_characteristic =
       0;  // vertices - edges + triangles: 2 - 2 genus for one closed component. Unused vertices do not count
 

@@ -31,7 +31,7 @@ constexpr Recipe kRecipes[] = {
     {"hammer", shapes::hammer},     {"banana", shapes::banana},
     {"dumbbell", shapes::dumbbell}, {"spray_can", shapes::sprayCan},
     {"teapot", shapes::teapot},     {"screwdriver", shapes::screwdriver},
-    {"torus", shapes::ring},
+    {"torus", shapes::ring},        {"homer", shapes::homer},
 };
 
 const Recipe& recipeFor(const std::string& name) {

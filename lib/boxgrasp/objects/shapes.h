@@ -40,6 +40,7 @@ Shape bunny();
 Shape goose();
 Shape horse();
 Shape human();
+Shape homer();
 Shape squirrel();
 Shape toyDog();
 
