@@ -144,7 +144,9 @@ std::vector<ObjectSource> builtinObjects(const std::vector<double>& scales) {
   checkScales(scales);
   std::vector<ObjectSource> sources;
   for (const std::string& name : parametricNames()) {
-    for (ObjectSource& source : inScales({.name = name}, scales)) sources.push_back(std::move(source));
+    ObjectSource one;
+    one.name = name;
+    for (ObjectSource& source : inScales(one, scales)) sources.push_back(std::move(source));
   }
   return sources;
 }
