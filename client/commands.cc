@@ -65,7 +65,13 @@ plan_response_t planHere(const PlanCommand& command, const PlanRequest& request)
 }
 
 plan_response_t planThere(const PlanCommand& command, const PlanRequest& request) {
-  return Remote(command.lcm_url).plan({request, command.frame, command.deadline_s});
+  const plan_response_t answer =
+      Remote(command.lcm_url).plan({request, command.frame, command.deadline_s, command.request_id});
+  if (answer.outcome == plan_response_t::GRASPS)
+    fmt::print(stderr,
+               "boxgrasp: say how a grasp went with: boxgrasp feedback {} INDEX --succeeded or --failed\n",
+               answer.request_id);
+  return answer;
 }
 
 plan_response_t answerTo(const PlanCommand& command) {

@@ -25,6 +25,7 @@ struct PlanCommand {
   double friction = 0.4;
   std::optional<std::array<double, 3>> gravity;
   int object = -1;
+  std::string request_id;  // of a plan made by the server; empty: a new one
 };
 
 // All return an exit code and print results to stdout, messages to stderr. They throw what reading, planning

@@ -6,7 +6,10 @@
 #include "boxgrasp/base/error.h"
 #include "boxgrasp/base/exit_code.h"
 #include "boxgrasp/messaging/plan_conversion.h"
+#include "boxgrasp/models_request_t.hpp"
 #include "commands.h"
+#include "feedback_command.h"
+#include "models_command.h"
 #include "plan_json.h"
 #include "remote.h"
 
@@ -56,9 +59,68 @@ CLI::App* addPlanCommand(CLI::App& app, const std::string& name, const std::stri
   addCloudOptions(*sub, command);
   addLocalOptions(*sub, command);
   addOutputOptions(*sub, command.lcm_url, command.json);
+  sub->add_option(
+      "--request-id", command.request_id,
+      "the name under which the server remembers this plan, for feedback; a new one if none is given");
   sub->add_flag("--local", command.local, "plan in this process, without a server");
   sub->add_option("--picture", command.picture, "also draw the plan into this PNG file");
   sub->add_option("--html", command.html, "also write the plan as an interactive 3D page, one HTML file");
+  return sub;
+}
+
+// The commands below `models`.
+struct ModelsApps {
+  CLI::App *all, *list, *show, *compare, *pin, *unpin, *roll_back;
+};
+
+ModelsApps addModels(CLI::App& app, ModelsCommand& command, PlanCommand& output) {
+  CLI::App* all = app.add_subcommand("models", "see and choose the models that the server ranks with");
+  all->require_subcommand(1);
+  const auto add = [&](const char* name, const char* what) {
+    CLI::App* sub = all->add_subcommand(name, what);
+    addOutputOptions(*sub, output.lcm_url, output.json);
+    return sub;
+  };
+  const auto order = [&](const char* name, const char* what) {
+    CLI::App* sub = add(name, what);
+    sub->add_option("--key", command.key, "secret key file that the server trusts")->required();
+    return sub;
+  };
+  const ModelsApps apps{all,
+                        add("list", "print all models; * is in service"),
+                        add("show", "print what a model was made of, and its metrics"),
+                        add("compare", "print two models side by side"),
+                        order("pin", "use one model, whatever is published"),
+                        order("unpin", "use the newest model that was not rejected"),
+                        order("rollback", "reject the model in service, and use the one before it")};
+  for (CLI::App* sub : {apps.show, apps.compare, apps.pin})
+    sub->add_option("version", command.version, "the model's version")->required();
+  apps.compare->add_option("other", command.other, "the other's version")->required();
+  return apps;
+}
+
+int runModels(const ModelsApps& apps, const ModelsCommand& command, const PlanCommand& output) {
+  const auto run = [&](int action) { return runModelsOrder(command, action, output.lcm_url, output.json); };
+  if (apps.show->parsed()) return runModelsShow(command, output.lcm_url, output.json);
+  if (apps.compare->parsed()) return runModelsCompare(command, output.lcm_url, output.json);
+  if (apps.pin->parsed()) return run(models_request_t::PIN);
+  if (apps.unpin->parsed()) return run(models_request_t::UNPIN);
+  if (apps.roll_back->parsed()) return run(models_request_t::ROLL_BACK);
+  return runModelsList(output.lcm_url, output.json);
+}
+
+CLI::App* addFeedback(CLI::App& app, FeedbackCommand& command, PlanCommand& output) {
+  CLI::App* sub = app.add_subcommand("feedback", "tell the server what became of a grasp");
+  sub->add_option("request_id", command.request_id, "of the plan, as `boxgrasp plan` says it")->required();
+  sub->add_option("index", command.grasp_index, "of the grasp in the answer, from 0")
+      ->required()
+      ->check(CLI::NonNegativeNumber);
+  sub->add_flag("--succeeded,!--failed", command.succeeded, "whether the object was held to the end")
+      ->required();
+  sub->add_option("--what", command.what, "what happened, in words");
+  sub->add_option("--robot", command.robot, "who reports; this machine's name if none is given");
+  sub->add_option("--forces-n", command.forces_n, "forces at the fingers, newtons")->delimiter(',');
+  addOutputOptions(*sub, output.lcm_url, output.json);
   return sub;
 }
 
@@ -96,13 +158,17 @@ int main(int argc, char** argv) {
       addPlanCommand(app, "show", "draw the plan, made in this process, into --picture or --html", command);
   CLI::App* status = app.add_subcommand("status", "print how the server is");
   addOutputOptions(*status, command.lcm_url, command.json);
+  ModelsCommand models_command;
+  const ModelsApps models = addModels(app, models_command, command);
+  FeedbackCommand feedback_command;
+  const CLI::App* feedback = addFeedback(app, feedback_command, command);
   try {
     app.parse(argc, argv);
     if (show->parsed()) {
       command.local = true;
       if (!command.draws()) throw CLI::RequiredError("--picture or --html");
     }
-    if (!status->parsed()) checkTogether(command);
+    checkTogether(command);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kDone : kUsage;
   }
@@ -110,6 +176,8 @@ int main(int argc, char** argv) {
     if (plan->parsed()) return runPlan(command);
     if (explain->parsed()) return runExplain(command);
     if (show->parsed()) return runShow(command);
+    if (models.all->parsed()) return runModels(models, models_command, command);
+    if (feedback->parsed()) return runFeedback(feedback_command, command.lcm_url, command.json);
     return runStatus(command.lcm_url, command.json);
   } catch (const InputError& error) {
     return fail(command, command.json, "bad_input", error.what(), kBadInput);

@@ -122,7 +122,7 @@ void Remote::giveUpIfLate(double patience_s) const {
 
 plan_response_t Remote::plan(const RemotePlan& plan) {
   const InterruptGuard guard;
-  request_id_ = newRequestId();
+  request_id_ = plan.request_id.empty() ? newRequestId() : plan.request_id;
   request_ = encoded(toMessage(plan.request, {request_id_, plan.frame, plan.deadline_s, utimeNow()}));
   if (request_.size() > kSafeBytes) {
     waitForServer();

@@ -16,6 +16,7 @@ struct RemotePlan {
   std::string frame;
   double deadline_s =
       0.0;  // 0: none given; the server has its own, and the client gives up after kPatience_s
+  std::string request_id = {};  // empty: a new one
 };
 
 // One server on one bus. Says on stderr what it waits for.

@@ -15,7 +15,9 @@
 #include "boxgrasp/messaging/channels.h"
 #include "boxgrasp/messaging/lcm_bus.h"
 #include "boxgrasp/messaging/plan_conversion.h"
+#include "clerk.h"
 #include "instance_lock.h"
+#include "state_folder.h"
 
 namespace boxgrasp {
 namespace {
@@ -55,17 +57,35 @@ std::string printable(std::string text) {
   return text;
 }
 
+TrustedKeys keysIn(const std::string& folder) { return folder.empty() ? TrustedKeys() : TrustedKeys(folder); }
+
+void log(const std::string& text) { spdlog::info("{}", printable(text)); }
+
 class Daemon {
  public:
   Daemon(GraspPlanner planner, const ServerOptions& options)
       : options_(options),
         lock_(options.lcm_url),
+        state_(options.state_dir),
         bus_({options.lcm_url, static_cast<std::int64_t>(options.receive_buffer_bytes)},
              [this](const std::string& channel, const std::string& problem) { refused(channel, problem); }),
-        service_(std::move(planner), options, [this] { eventfd_write(wake_.get(), 1); }) {
+        models_(
+            std::make_shared<const GraspPlanner>(std::move(planner)),
+            {state_.file("models"), keysIn(options.trusted_keys), options.oldest_model},
+            [this](PlannerPtr next) { service_.takeOver(std::move(next)); }, log),
+        outcomes_(state_.file("outcomes.db"), models_.serving()->hand().name),
+        service_(models_.serving(), options, [this] { wake(); }),
+        clerk_(
+            models_, outcomes_, [this] { wake(); }, log) {
     bus_.subscribe(channel::kPlanRequest, kMaxMessageBytes, [this](auto bytes) { service_.request(bytes); });
     bus_.subscribe(channel::kCancel, kMaxTextBytes + 64,
                    [this](auto bytes) { service_.cancel(decoded<cancel_t>(bytes).request_id); });
+    bus_.subscribe(channel::kPublishModel, kMaxModelBytes + kMaxTextBytes + 256,
+                   [this](auto bytes) { clerk_.publication(decoded<publish_model_t>(bytes)); });
+    bus_.subscribe(channel::kModelsRequest, 2 * kMaxTextBytes + 256,
+                   [this](auto bytes) { clerk_.request(decoded<models_request_t>(bytes)); });
+    bus_.subscribe(channel::kGraspOutcome, 4 * kMaxTextBytes,
+                   [this](auto bytes) { clerk_.outcome(decoded<grasp_outcome_t>(bytes)); });
     if (!options.cloud_channel.empty())
       bus_.subscribe(options.cloud_channel, kMaxMessageBytes,
                      [this](auto bytes) { service_.cloud(options_.cloud_channel, bytes); });
@@ -73,20 +93,24 @@ class Daemon {
 
   void run() {
     sayReady();
-    while (!stop_by_ || !service_.finished()) {
+    while (!stop_by_ || !service_.finished() || !clerk_.idle()) {
       waitForSomething();
       bus_.dispatch();
       readSignals();
       publishAnswers();
+      publishReplies();
       beat();
     }
     spdlog::info("stopped");
   }
 
  private:
+  void wake() const { eventfd_write(wake_.get(), 1); }
+
   void sayReady() const {
     const ReceiveBuffer& buffer = bus_.receiveBuffer();
-    spdlog::info("answering on {} with {} workers", options_.lcm_url, options_.workers);
+    spdlog::info("answering on {} with {} workers and model {}", options_.lcm_url, options_.workers,
+                 models_.serving()->model().version);
     if (buffer.granted < buffer.asked)
       spdlog::warn(
           "the receive buffer is {} bytes, not {}: clouds of more than {} points can get lost; to raise it: "
@@ -123,12 +147,17 @@ class Daemon {
   }
 
   void publishAnswers() {
-    for (const EncodedAnswer& answer : service_.takeAnswers()) {
-      bus_.publish(channel::kPlanResponse, LcmBus::Bytes(*answer));
-      const auto response = decoded<plan_response_t>(*answer);
+    for (const DueAnswer& answer : service_.takeAnswers()) {
+      const auto response = decoded<plan_response_t>(*answer.bytes);
+      if (answer.fresh) clerk_.answered(response);
+      bus_.publish(channel::kPlanResponse, LcmBus::Bytes(*answer.bytes));
       spdlog::info("{}: {} ({:.2f} s): {}", printable(response.request_id), outcomeName(response.outcome),
                    response.time_s, printable(response.message));
     }
+  }
+
+  void publishReplies() {
+    for (const Reply& reply : clerk_.takeReplies()) bus_.publish(reply.channel, LcmBus::Bytes(reply.bytes));
   }
 
   // Once a second: the status, and the sign of life for systemd, unless a worker hangs.
@@ -153,8 +182,12 @@ class Daemon {
   const Descriptor signals_{signalDescriptor()};
   const Descriptor wake_{eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)};
   const InstanceLock lock_;
+  const StateFolder state_;
   LcmBus bus_;
+  ModelDesk models_;
+  OutcomeDesk outcomes_;
   PlanService service_;
+  Clerk clerk_;  // last: what it does in the background uses the others
   std::int64_t refused_ = 0;
   std::optional<Clock::time_point> stop_by_;
   Clock::time_point next_beat_;

@@ -17,7 +17,7 @@ using namespace boxgrasp;
 
 struct CommandLine {
   std::optional<std::filesystem::path> config, model, hand;
-  std::optional<std::string> lcm_url;
+  std::optional<std::string> lcm_url, state_dir, trusted_keys;
   std::optional<int> workers, queue;
 };
 
@@ -25,8 +25,12 @@ void addOptions(CLI::App& app, CommandLine& line) {
   app.add_option("--lcm-url", line.lcm_url,
                  "LCM's address, as udpm://239.255.76.67:7667?ttl=0 or tcpq://HOST:PORT");
   app.add_option("--config", line.config, "configuration (TOML); deploy/boxgrasp.toml explains every key");
-  app.add_option("--model", line.model, "model that ranks the grasps; the built-in one if none is given");
+  app.add_option("--model", line.model,
+                 "model that ranks the grasps until one is published; the built-in one if none is given");
   app.add_option("--hand", line.hand, "hand description (TOML); the Barrett hand if none is given");
+  app.add_option("--state-dir", line.state_dir, "folder for published models and robots' outcomes");
+  app.add_option("--trusted-keys", line.trusted_keys,
+                 "folder with the public keys (*.pub) of those who may publish models");
   app.add_option("--workers", line.workers, "plans that run at the same time");
   app.add_option("--queue", line.queue, "requests that wait; one more is answered 'overloaded'");
 }
@@ -42,6 +46,8 @@ void run(const CommandLine& line) {
     for (const std::string& key : file.changed()) spdlog::info("{} sets {}", line.config->string(), key);
   }
   options.lcm_url = line.lcm_url.value_or(options.lcm_url);
+  options.state_dir = line.state_dir.value_or(options.state_dir);
+  options.trusted_keys = line.trusted_keys.value_or(options.trusted_keys);
   options.workers = line.workers.value_or(options.workers);
   options.queue = line.queue.value_or(options.queue);
   options.validate();

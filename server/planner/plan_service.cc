@@ -46,10 +46,10 @@ constexpr char kNoMemory[] =
 
 }  // namespace
 
-PlanService::PlanService(GraspPlanner planner, const ServerOptions& options, std::function<void()> wake)
-    : planner_(std::move(planner)),
-      options_(options),
+PlanService::PlanService(PlannerPtr planner, const ServerOptions& options, std::function<void()> wake)
+    : options_(options),
       wake_(std::move(wake)),
+      planner_(std::move(planner)),
       memory_(options.answers, options.answers_bytes) {
   for (int i = 0; i < options_.workers; ++i) workers_.emplace_back([this] { work(); });
 }
@@ -86,7 +86,7 @@ void PlanService::request(Bytes bytes) try {
     return refuse(plan_response_t::BAD_INPUT,
                   "this request_id was used for another request; choose a new one", job->request);
   if (known || twin) ++repeated_;
-  if (known) return send(known->answer);
+  if (known) return send(known->answer, false);
   if (twin) return;
   if (closed_ || full(*job))
     return refuse(plan_response_t::OVERLOADED,
@@ -126,11 +126,18 @@ void PlanService::cancel(const std::string& request_id) {
   if (waiting == queue_.end()) return;
   const JobPtr job = *waiting;
   queue_.erase(waiting);
-  finish(*job, refusal(plan_response_t::CANCELLED, "cancelled before it was begun", job->id(),
-                       job->request.cloud.frame_name));
+  finish(*job,
+         refusal(plan_response_t::CANCELLED, "cancelled before it was begun", job->id(),
+                 job->request.cloud.frame_name),
+         *planner_);
 }
 
-std::vector<EncodedAnswer> PlanService::takeAnswers() {
+void PlanService::takeOver(PlannerPtr planner) {
+  const std::lock_guard lock(mutex_);
+  planner_ = std::move(planner);
+}
+
+std::vector<DueAnswer> PlanService::takeAnswers() {
   const std::lock_guard lock(mutex_);
   expire();
   return std::exchange(outbox_, {});
@@ -163,8 +170,8 @@ status_t PlanService::status() const {
   const std::lock_guard lock(mutex_);
   status_t status{};
   status.utime = utimeNow();
-  status.model_version = planner_.model().version;
-  status.hand = planner_.hand().name;
+  status.model_version = planner_->model().version;
+  status.hand = planner_->hand().name;
   status.uptime_s = secondsSince(start_);
   status.workers = options_.workers;
   status.running = static_cast<int>(running_.size());
@@ -191,23 +198,24 @@ void PlanService::work() {
     const JobPtr job = queue_.front();
     queue_.pop_front();
     running_.push_back(job);
+    const PlannerPtr planner = planner_;
     lock.unlock();
-    plan_response_t response = answerTo(*job);
+    plan_response_t response = answerTo(*job, *planner);
     lock.lock();
     std::erase(running_, job);
     if (response.outcome != plan_response_t::DEADLINE) latencies_.add(secondsSince(job->arrival));
-    finish(*job, std::move(response));
+    finish(*job, std::move(response), *planner);
   }
 }
 
-plan_response_t PlanService::answerTo(Job& job) const {
+plan_response_t PlanService::answerTo(Job& job, const GraspPlanner& planner) {
   const std::string frame = job.request.cloud.frame_name;
   try {
     const PlanRequest request = fromMessage(job.request);
     if (std::isnan(job.request.deadline_s))
       throw InputError("request: deadline_s is nan, but must be a number");
     job.request.cloud.data = {};  // the planner has its own copy
-    return toMessage(planner_.plan(request, StopToken(job.deadline, job.cancelled)), job.id(), frame);
+    return toMessage(planner.plan(request, StopToken(job.deadline, job.cancelled)), job.id(), frame);
   } catch (const InputError& error) {
     return refusal(plan_response_t::BAD_INPUT, error.what(), job.id(), frame);
   } catch (const std::bad_alloc&) {
@@ -238,24 +246,24 @@ const PlanService::Job* PlanService::inFlight(const std::string& request_id) con
   return nullptr;
 }
 
-void PlanService::finish(const Job& job, plan_response_t response) {
+void PlanService::finish(const Job& job, plan_response_t response, const GraspPlanner& planner) {
   response.utime = utimeNow();
-  response.model_version = planner_.model().version;
+  response.model_version = planner.model().version;
   ++outcomes_.at(response.outcome);
   const auto answer = std::make_shared<const std::vector<std::uint8_t>>(encoded(response));
   if (!job.fromChannel() && isWorthKeeping(response.outcome)) memory_.keep({job.id(), job.digest, answer});
   send(answer);
 }
 
-void PlanService::send(EncodedAnswer answer) {
-  outbox_.push_back(std::move(answer));
+void PlanService::send(EncodedAnswer answer, bool fresh) {
+  outbox_.push_back({std::move(answer), fresh});
   wake_();
 }
 
 void PlanService::refuse(std::int8_t outcome, const std::string& message, const plan_request_t& request) {
   plan_response_t response = refusal(outcome, message, request.request_id, request.cloud.frame_name);
   response.utime = utimeNow();
-  response.model_version = planner_.model().version;
+  response.model_version = planner_->model().version;
   ++outcomes_.at(outcome);
   send(std::make_shared<const std::vector<std::uint8_t>>(encoded(response)));
 }
@@ -268,7 +276,8 @@ void PlanService::expire() {
   for (const JobPtr& job : expired)
     finish(*job,
            refusal(plan_response_t::DEADLINE, "the deadline passed while the request waited in the queue",
-                   job->id(), job->request.cloud.frame_name));
+                   job->id(), job->request.cloud.frame_name),
+           *planner_);
 }
 
 }  // namespace boxgrasp

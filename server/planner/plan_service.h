@@ -23,6 +23,14 @@
 
 namespace boxgrasp {
 
+using PlannerPtr = std::shared_ptr<const GraspPlanner>;
+
+// An encoded plan_response_t. Not fresh: given before, and repeated for a request that came again.
+struct DueAnswer {
+  EncodedAnswer bytes;
+  bool fresh = true;
+};
+
 // Plans on a pool of threads. Every request gets one answer: at once when it is refused, known already, or
 // one too many; else when it is planned, cancelled, or its deadline passes. Thread-safe.
 class PlanService {
@@ -31,7 +39,7 @@ class PlanService {
   using Clock = std::chrono::steady_clock;
 
   // `wake` is called from any thread when answers wait to be taken.
-  PlanService(GraspPlanner planner, const ServerOptions& options, std::function<void()> wake);
+  PlanService(PlannerPtr planner, const ServerOptions& options, std::function<void()> wake);
   // Cancels what runs and waits for it.
   ~PlanService();
   PlanService(const PlanService&) = delete;
@@ -47,9 +55,14 @@ class PlanService {
   // Unknown ids are ignored.
   void cancel(const std::string& request_id);
 
-  // The answers that are due, as encoded plan_response_t, the first ready first. Requests whose deadline
+  // Requests that are begun from now on are planned by this planner; those that run keep theirs. Its hand is
+  // that of the one before. Costs a pointer's assignment: a request takes its planner along when a worker
+  // takes the request from the queue, so plans themselves share nothing that could be locked.
+  void takeOver(PlannerPtr planner);
+
+  // The answers that are due, the first ready first. Requests whose deadline
   // passed while they waited are answered by this call: make it at least a few times a second.
-  std::vector<EncodedAnswer> takeAnswers();
+  std::vector<DueAnswer> takeAnswers();
 
   // From now on nothing is accepted; what waits is answered with OVERLOADED, what runs goes on.
   void close();
@@ -77,17 +90,16 @@ class PlanService {
 
   JobPtr makeJob(plan_request_t request, std::string digest) const;
   void work();
-  plan_response_t answerTo(Job& job) const;
+  static plan_response_t answerTo(Job& job, const GraspPlanner& planner);
   // The following expect the lock to be held.
   void enqueue(JobPtr job);
   bool full(const Job& next) const;
   const Job* inFlight(const std::string& request_id) const;
-  void finish(const Job& job, plan_response_t response);
-  void send(EncodedAnswer answer);
+  void finish(const Job& job, plan_response_t response, const GraspPlanner& planner);
+  void send(EncodedAnswer answer, bool fresh = true);
   void refuse(std::int8_t outcome, const std::string& message, const plan_request_t& request);
   void expire();
 
-  const GraspPlanner planner_;
   const ServerOptions options_;
   const std::function<void()> wake_;
   const Clock::time_point start_ = Clock::now();
@@ -96,7 +108,8 @@ class PlanService {
   std::condition_variable work_waits_;
   std::deque<JobPtr> queue_;
   std::vector<JobPtr> running_;
-  std::vector<EncodedAnswer> outbox_;
+  PlannerPtr planner_;
+  std::vector<DueAnswer> outbox_;
   AnswerMemory memory_;
   Latencies latencies_;
   std::array<std::int64_t, 7> outcomes_{};

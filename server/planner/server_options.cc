@@ -1,6 +1,7 @@
 #include "server_options.h"
 
 #include "boxgrasp/base/error.h"
+#include "boxgrasp/registry/model_registry.h"
 
 namespace boxgrasp {
 
@@ -9,6 +10,8 @@ void ServerOptions::validate() const {
   requireOption(queue >= 1 && queue <= 4000, "queue", queue, "1 to 4000");
   requireOption(deadline_s > 0 && deadline_s <= 86400, "deadline_s", deadline_s,
                 "above 0, at most 86400 (a day)");
+  requireOption(oldest_model.empty() || isModelTime(oldest_model), "oldest_model", oldest_model,
+                "empty or a time like 2026-01-31T00:00:00Z");
   requireOption(stop_s >= 0 && stop_s <= 86400, "stop_s", stop_s, "0 to 86400 (a day)");
 }
 
@@ -24,6 +27,9 @@ ServerOptions readServerOptions(ConfigFile& file) {
   file.read("server", "answers", options.answers);
   file.read("server", "answers_bytes", options.answers_bytes);
   file.read("server", "stop_s", options.stop_s);
+  file.read("server", "state_dir", options.state_dir);
+  file.read("server", "trusted_keys", options.trusted_keys);
+  file.read("server", "oldest_model", options.oldest_model);
   file.validate("server", [&] { options.validate(); });
   return options;
 }

@@ -20,6 +20,9 @@ struct ServerOptions {
   std::uint64_t answers = 256;
   std::uint64_t answers_bytes = 64u << 20;
   double stop_s = 20.0;
+  std::string state_dir;
+  std::string trusted_keys;
+  std::string oldest_model;
   void validate() const;
 };
 

@@ -5,8 +5,15 @@
 
 #include "boxgrasp/base/error.h"
 #include "boxgrasp/base/exit_code.h"
+#include "boxgrasp/base/stop_token.h"
+#include "keygen_command.h"
+#include "publish_command.h"
 #include "quality_command.h"
+#include "rates_command.h"
 #include "sample_command.h"
+#include "show_command.h"
+#include "spread_command.h"
+#include "stability_command.h"
 #include "train_command.h"
 
 namespace {
@@ -62,12 +69,78 @@ void addQuality(CLI::App& app, QualityCommand& command) {
   app.add_flag("--json", command.json, "print the values as JSON");
 }
 
+void addKeygen(CLI::App& app, KeygenCommand& command) {
+  app.add_option("--out", command.out, "file for the secret key; the public one goes beside it, with '.pub'")
+      ->capture_default_str();
+}
+
+void addPublish(CLI::App& app, PublishCommand& command) {
+  app.add_option("model", command.model, "the model file")->required();
+  app.add_option("--key", command.key, "secret key file, from boxgrasp-trainer keygen")->required();
+  app.add_option("--lcm-url", command.server.lcm_url, "LCM's address, where the server is")
+      ->capture_default_str();
+  app.add_option("--timeout-s", command.server.timeout_s, "give up after this many seconds without an answer")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  app.add_flag("--json", command.json, "print the answer as JSON");
+}
+
+void addStability(CLI::App& app, StabilityCommand& command) {
+  app.add_option("--objects", command.objects, "'builtin', or a folder of meshes and clouds")
+      ->capture_default_str();
+  app.add_flag("--quick", command.quick, "fewer levels of damage");
+  app.add_flag("--beyond", command.beyond, "outliers and uneven density too, which the paper did not try");
+  app.add_option("--csv", command.csv,
+                 "the table as a file; rows that it already has are not measured again");
+  app.add_option("--curves", command.curves,
+                 "folder for boxes and volume over t, a CSV and an SVG an object");
+  app.add_option("--points", command.points, "points sampled on each mesh")->capture_default_str();
+  app.add_option("--seed", command.seed, "seed of points and damage")->capture_default_str();
+  app.add_option("--threads", command.threads, "0 = all cores; the result does not depend on it")
+      ->capture_default_str();
+  app.add_flag("--json", command.json, "print the table as JSON");
+}
+
+void addShow(CLI::App& app, ShowCommand& command) {
+  app.add_option("grasp", command.grasp, "its id, such as mug@1.00/whole/planner/17")->required();
+  app.add_option("--store", command.store, "file of labels; without it the object is planned anew");
+  app.add_option("--objects", command.objects, "where the object is: 'builtin', or a folder of meshes")
+      ->capture_default_str();
+  app.add_option("--out", command.out, "the picture to write, PNG")->capture_default_str();
+  app.add_option("--perturbation", command.perturbation, "which label of the store; 0: as planned")
+      ->capture_default_str();
+}
+
+void addSpread(CLI::App& app, SpreadCommand& command) {
+  app.add_option("--object", command.object, "name of a parametric object, or a mesh file in metres")
+      ->capture_default_str();
+  app.add_option("--scale", command.scale, "size relative to the natural one")->capture_default_str();
+  app.add_option("--random", command.random, "random grasps")->capture_default_str();
+  app.add_option("--out", command.out, "the plot to write, SVG")->required();
+  app.add_option("--seed", command.seed, "seed of the random grasps")->capture_default_str();
+  app.add_option("--threads", command.threads, "0 = all cores; the result does not depend on it")
+      ->capture_default_str();
+  app.add_flag("--json", command.json, "print the summary as JSON");
+}
+
+void addRates(CLI::App& app, RatesCommand& command) {
+  app.add_option("--objects", command.objects, "'builtin', or a folder of meshes in metres")
+      ->capture_default_str();
+  app.add_option("--scale", command.scale, "size relative to the natural one")->capture_default_str();
+  app.add_option("--random", command.random, "random grasps of each object")->capture_default_str();
+  app.add_option("--limit", command.limit, "hypotheses tried of each object, evenly chosen; 0: all")
+      ->capture_default_str();
+  app.add_option("--seed", command.seed, "seed of the random grasps")->capture_default_str();
+  app.add_option("--threads", command.threads, "0 = all cores; the result does not depend on it")
+      ->capture_default_str();
+  app.add_flag("--json", command.json, "print the table as JSON");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   CLI::App app{"Trains the networks that rank Boxgrasp's grasps."};
   app.set_version_flag("--version", BOXGRASP_VERSION);
-  app.set_help_all_flag("--help-all", "print the help of every command");
   app.require_subcommand(1);
   TrainCommand train;
   SampleCommand sample;
@@ -76,6 +149,28 @@ int main(int argc, char** argv) {
   QualityCommand quality;
   CLI::App* quality_app = app.add_subcommand("quality", "print epsilon, nu and force closure of contacts");
   addQuality(*quality_app, quality);
+  KeygenCommand keygen;
+  CLI::App* keygen_app = app.add_subcommand("keygen", "make a key for publishing models");
+  addKeygen(*keygen_app, keygen);
+  PublishCommand publish;
+  CLI::App* publish_app =
+      app.add_subcommand("publish", "sign a model, send it to the server, and wait for its answer");
+  addPublish(*publish_app, publish);
+  StabilityCommand stability;
+  CLI::App* stability_app = app.add_subcommand(
+      "stability", "measure how much of a decomposition survives noise and missing points (Table I)");
+  addStability(*stability_app, stability);
+  ShowCommand show;
+  CLI::App* show_app = app.add_subcommand("show", "draw a simulated grasp as a filmstrip");
+  addShow(*show_app, show);
+  SpreadCommand spread;
+  CLI::App* spread_app = app.add_subcommand(
+      "spread", "plot the planner's grasps among random ones on the axes epsilon and nu (Fig. 5)");
+  addSpread(*spread_app, spread);
+  RatesCommand rates;
+  CLI::App* rates_app =
+      app.add_subcommand("rates", "simulate how often the planner's grasps are held, and random ones");
+  addRates(*rates_app, rates);
   addTrain(*train_app, train);
   addSample(*sample_app, sample);
   try {
@@ -87,10 +182,28 @@ int main(int argc, char** argv) {
     if (train_app->parsed()) runTrain(train, commandLine(argc, argv));
     if (sample_app->parsed()) runSample(sample);
     if (quality_app->parsed()) runQuality(quality);
+    if (keygen_app->parsed()) runKeygen(keygen);
+    if (publish_app->parsed()) return runPublish(publish);
+    if (stability_app->parsed()) runStability(stability);
+    if (show_app->parsed()) runShow(show);
+    if (spread_app->parsed()) runSpread(spread);
+    if (rates_app->parsed()) runRates(rates);
     return kDone;
+  } catch (const Stopped&) {
+    fmt::print(stderr, "boxgrasp-trainer: stopped; nothing was written\n");
+    return kInterrupted;
   } catch (const InputError& error) {
     fmt::print(stderr, "boxgrasp-trainer: {}\n", error.what());
     return kBadInput;
+  } catch (const NotReachable& error) {
+    fmt::print(stderr, "boxgrasp-trainer: {}\n", error.what());
+    return kNotReachable;
+  } catch (const TransportError& error) {
+    fmt::print(stderr, "boxgrasp-trainer: {}\n", error.what());
+    return kNotReachable;
+  } catch (const NoAnswer& error) {
+    fmt::print(stderr, "boxgrasp-trainer: {}\n", error.what());
+    return kDeadlinePassed;
   } catch (const std::exception& error) {
     fmt::print(stderr, "boxgrasp-trainer: internal error: {}\n", error.what());
     return kInternalError;

@@ -1,0 +1,20 @@
+#include "keygen_command.h"
+
+#include <fmt/format.h>
+
+#include "boxgrasp/registry/signing.h"
+
+namespace boxgrasp {
+
+void runKeygen(const KeygenCommand& command) {
+  const SigningKey key = SigningKey::generate();
+  key.write(command.out);
+  fmt::print(
+      "public key {0} written to {1}.pub: copy it into the server's folder of trusted keys "
+      "(boxgrasp-server --trusted-keys FOLDER)\n"
+      "secret key written to {1}: whoever has it can publish models; give it to boxgrasp-trainer publish "
+      "--key\n",
+      hexOf(key.publicKey()), command.out.string());
+}
+
+}  // namespace boxgrasp
