@@ -11,6 +11,7 @@ enum ExitCode {
   kNotReachable = 4,    // the server, or LCM's broker
   kDeadlinePassed = 5,  // before there was an answer
   kInternalError = 70,
+  kInterrupted = 130,  // by Ctrl-C, as shells say it
 };
 
 }  // namespace boxgrasp

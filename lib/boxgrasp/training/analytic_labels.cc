@@ -27,17 +27,6 @@ GraspQuality qualityOf(const Grasp& grasp, const WrenchOptions& options) {
   return graspQuality(contacts, options);
 }
 
-// Eq. 6. Grasps without force closure count as epsilon 0; an object without any has success 0 throughout.
-VectorXd successes(const VectorXd& epsilon, const VectorXd& nu) {
-  const VectorXd positive = epsilon.cwiseMax(0.0);
-  const double epsilon_max = positive.size() ? positive.maxCoeff() : 0.0,
-               nu_max = nu.size() ? nu.maxCoeff() : 0.0;
-  VectorXd s = VectorXd::Zero(nu.size());
-  if (nu_max > 0) s += (nu / nu_max).array().square().matrix();
-  if (epsilon_max > 0) s += (positive / epsilon_max).array().square().matrix();
-  return s;
-}
-
 LabelledObject labelled(const HandDescription& hand, const PlannerOptions& planner,
                         const AnalyticLabelOptions& options, const std::string& name, double scale,
                         const StopToken& stop) {
@@ -73,6 +62,16 @@ LabelledObject labelled(const HandDescription& hand, const PlannerOptions& plann
 }
 
 }  // namespace
+
+VectorXd successes(const VectorXd& epsilon, const VectorXd& nu) {
+  const VectorXd positive = epsilon.cwiseMax(0.0);
+  const double epsilon_max = positive.size() ? positive.maxCoeff() : 0.0,
+               nu_max = nu.size() ? nu.maxCoeff() : 0.0;
+  VectorXd s = VectorXd::Zero(nu.size());
+  if (nu_max > 0) s += (nu / nu_max).array().square().matrix();
+  if (epsilon_max > 0) s += (positive / epsilon_max).array().square().matrix();
+  return s;
+}
 
 void AnalyticLabelOptions::validate() const {
   for (const double scale : scales) requireOption(scale > 0 && scale <= 10, "scales", scale, "in (0, 10]");

@@ -11,6 +11,10 @@
 
 namespace boxgrasp {
 
+// s of each grasp of one object (Eq. 6), (nu / nu_max)^2 + (epsilon / epsilon_max)^2 with the greatest of
+// these grasps. Without force closure epsilon counts as 0. Pre: equal sizes, nu >= 0, no NaN.
+VectorXd successes(const VectorXd& epsilon, const VectorXd& nu);
+
 struct AnalyticLabelOptions {
   std::vector<std::string> objects;                // names of parametric objects; empty: all
   std::vector<double> scales = {0.75, 1.0, 1.25};  // three sizes of each (paper IV: 14 objects in 3 scales)

@@ -1,0 +1,107 @@
+#include "tried_object.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <mutex>
+
+#include "boxgrasp/base/parallel.h"
+#include "boxgrasp/planning/default_model.h"
+#include "boxgrasp/planning/grasp_planner.h"
+#include "boxgrasp/planning/hypotheses.h"
+#include "boxgrasp/training/analytic_labels.h"
+#include "boxgrasp/training/baselines.h"
+
+namespace boxgrasp {
+namespace {
+
+constexpr std::uint64_t kSurfaceSeed = 1;
+
+HypothesisRecord recordOf(const Grasp& grasp, std::size_t index, double approach_m) {
+  HypothesisRecord record;
+  record.index = static_cast<int>(index);
+  record.X_OP = grasp.X_CP;
+  record.joints = grasp.joints;
+  record.pregrasp = grasp.pregrasp;
+  record.approach_m = approach_m;
+  record.quality = grasp.quality;
+  record.box = grasp.box;
+  record.face = grasp.face;
+  return record;
+}
+
+std::vector<HypothesisRecord> recordsOf(const std::vector<Grasp>& grasps, double approach_m) {
+  std::vector<HypothesisRecord> records;
+  for (std::size_t i = 0; i < grasps.size(); ++i) records.push_back(recordOf(grasps[i], i, approach_m));
+  return records;
+}
+
+}  // namespace
+
+TriedObject triedObject(const ObjectSource& source, const StopToken& stop) {
+  TriangleMesh mesh_O = loadObject(source, stop).mesh_O;
+  SimulatedObject solid = makeSimulatedObject(mesh_O);
+  return {source.name, source.scale, std::move(mesh_O), std::move(solid)};
+}
+
+ObjectSource sourceOf(const std::string& object, double scale) {
+  ObjectSource source{object, scale, {}};
+  if (!std::filesystem::exists(object)) return source;
+  source.file = object;
+  source.name = source.file.stem().string();
+  return source;
+}
+
+std::vector<ObjectSource> sourcesOf(const std::string& set, double scale) {
+  return set == "builtin" ? builtinObjects({scale}) : meshFolder(set, {.scales = {scale}});
+}
+
+FoundGrasps findGrasps(const HandDescription& hand, const TriangleMesh& mesh_O, int threads,
+                       const StopToken& stop) {
+  PlannerOptions options;
+  options.scene.whole = true;
+  options.threads = threads;
+  PlanRequest request;
+  request.cloud_C = sampleSurface(mesh_O, AnalyticLabelOptions{}.points, kSurfaceSeed);
+  PlanResult all;
+  Tally tally;
+  findHypotheses(hand, options, request, stop, nullptr, all, tally);
+  const PlanResult best = GraspPlanner(hand, modelOrDefault({}), options).plan(request, stop);
+  stop.check();
+  const double approach_m = options.clearance.approach_m;
+  return {recordsOf(all.grasps, approach_m), recordsOf(best.grasps, approach_m),
+          approachHypotheses(hand, all.objects.front().tree, all.objects.front().cloud_C)};
+}
+
+TrialOptions trialOptions(GraspSource source, TrialStage last_stage) {
+  TrialOptions options;
+  options.last_stage = last_stage;
+  options.back_up_on_touch = source != GraspSource::planner;
+  return options;
+}
+
+std::vector<TrialResult> tryAll(const HandDescription& hand, const SimulatedObject& object,
+                                const std::vector<HypothesisRecord>& grasps, const TrialOptions& options,
+                                int threads, const StopToken& stop,
+                                const std::function<void(std::size_t)>& progress) {
+  std::vector<TrialResult> results(grasps.size());
+  std::mutex reporting;
+  std::size_t done = 0;
+  parallelFor(grasps.size(), threads, [&](std::size_t i) {
+    results[i] = runTrial(hand, object, trialInput(grasps[i]), options, stop);
+    const std::lock_guard lock(reporting);
+    progress(++done);
+  });
+  return results;
+}
+
+VectorXd successesOf(const std::vector<TrialResult>& results) {
+  const auto n = static_cast<Eigen::Index>(results.size());
+  VectorXd epsilon(n), nu(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    epsilon[i] = results[static_cast<std::size_t>(i)].quality.epsilon;
+    nu[i] = std::max(0.0, results[static_cast<std::size_t>(i)].quality.volume);
+  }
+  return successes(epsilon, nu);
+}
+
+}  // namespace boxgrasp
