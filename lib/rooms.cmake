@@ -1,3 +1,4 @@
+find_package(embree 3 REQUIRED)
 find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs)
 boxgrasp_pkg_config(LCM lcm)
 boxgrasp_pkg_config(TOMLPLUSPLUS tomlplusplus)
@@ -51,7 +52,7 @@ foreach(part VIEWER_HTML:boxgrasp/viewer/web/viewer.html VIEWER_CSS:boxgrasp/vie
 endforeach()
 configure_file(boxgrasp/viewer/web_files.cc.in web_files.cc @ONLY)
 target_sources(boxgrasp_viewer PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/web_files.cc)
-boxgrasp_room(objects       ROOMS base geometry cloud)
+boxgrasp_room(objects       ROOMS base geometry cloud LIBRARIES embree)
 boxgrasp_room(simulation    ROOMS base geometry hand wrench objects LIBRARIES PkgConfig::ODE)
 boxgrasp_room(training     ROOMS base geometry cloud decomposition projection hand quality wrench ranking planning objects simulation)
 boxgrasp_room(store         ROOMS base geometry hand quality wrench ranking planning simulation training

@@ -76,7 +76,7 @@ set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "liblcm-bin")
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS
-    "liblcm-dev, libeigen3-dev, libfmt-dev, libopencv-dev, libtbb-dev, libqhull-dev, libode-dev")
+    "liblcm-dev, libeigen3-dev, libfmt-dev, libopencv-dev, libtbb-dev, libqhull-dev, libode-dev, libembree-dev")
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA
     "${CMAKE_CURRENT_LIST_DIR}/postinst;${CMAKE_CURRENT_LIST_DIR}/prerm;${CMAKE_CURRENT_LIST_DIR}/postrm;${CMAKE_CURRENT_LIST_DIR}/conffiles")

@@ -7,7 +7,8 @@
 #include <cmath>
 #include <map>
 #include <set>
-#include <unordered_map>
+
+#include "boxgrasp/objects/mesh_properties.h"
 
 namespace boxgrasp {
 namespace {
@@ -59,20 +60,22 @@ std::size_t dropIdle(TriangleMesh& mesh) {
   });
 }
 
+// The others keep their order.
 void dropUnusedVertices(TriangleMesh& mesh) {
-  constexpr std::uint32_t kUnused = UINT32_MAX;
-  std::vector<std::uint32_t> renamed(mesh.vertices.size(), kUnused);
-  std::vector<Vector3d> used;
-  for (Triangle& triangle : mesh.triangles) {
-    for (std::uint32_t& v : triangle) {
-      if (renamed[v] == kUnused) {
-        renamed[v] = static_cast<std::uint32_t>(used.size());
-        used.push_back(mesh.vertices[v]);
-      }
-      v = renamed[v];
-    }
+  std::vector<bool> used(mesh.vertices.size(), false);
+  for (const Triangle& triangle : mesh.triangles) {
+    for (const std::uint32_t v : triangle) used[v] = true;
   }
-  mesh.vertices = std::move(used);
+  std::vector<std::uint32_t> renamed(mesh.vertices.size());
+  std::vector<Vector3d> kept;
+  for (std::size_t v = 0; v < used.size(); ++v) {
+    renamed[v] = static_cast<std::uint32_t>(kept.size());
+    if (used[v]) kept.push_back(mesh.vertices[v]);
+  }
+  for (Triangle& triangle : mesh.triangles) {
+    for (std::uint32_t& v : triangle) v = renamed[v];
+  }
+  mesh.vertices = std::move(kept);
 }
 
 std::map<Edge, std::vector<std::uint32_t>> trianglesAtEdges(const TriangleMesh& mesh) {
@@ -160,8 +163,11 @@ RepairedMesh repaired(const TriangleMesh& mesh) {
   const auto note = [&](std::size_t count, std::string_view what) {
     if (count > 0) result.repairs.push_back(fmt::format("{} {}", count, what));
   };
-  note(weld(result.mesh), "vertices merged with others at the same place");
   note(dropIdle(result.mesh), "triangles without area or twice there dropped");
+  if (topologyOf(result.mesh).open_edges > 0) {
+    note(weld(result.mesh), "vertices merged with others at the same place");
+    note(dropIdle(result.mesh), "triangles that this left without area dropped");
+  }
   dropUnusedVertices(result.mesh);
   note(Orienter(result.mesh).run(), "triangles turned outward");
   return result;

@@ -8,12 +8,14 @@
 #include "boxgrasp/base/error.h"
 #include "boxgrasp/cloud/read_cloud.h"
 #include "boxgrasp/objects/mesh_repair.h"
+#include "boxgrasp/objects/mesh_simplify.h"
 #include "boxgrasp/objects/parametric.h"
 
 namespace boxgrasp {
 namespace {
 
 constexpr std::size_t kMaxTriangles = 2'000'000;
+constexpr std::size_t kEnoughTriangles = 100'000;       // edges of 1 mm on a toy: as fine as fingers feel
 constexpr double kMinExtent = 0.005, kMaxExtent = 2.0;  // m
 
 void checkScales(const std::vector<double>& scales) {
@@ -131,6 +133,29 @@ std::vector<ObjectSource> inScales(const ObjectSource& source, const std::vector
   return sources;
 }
 
+std::vector<ObjectSource> parametricSources(const std::vector<std::string>& names,
+                                            const std::vector<double>& scales) {
+  checkScales(scales);
+  std::vector<ObjectSource> sources;
+  for (const std::string& name : names) {
+    ObjectSource one;
+    one.name = name;
+    for (ObjectSource& source : inScales(one, scales)) sources.push_back(std::move(source));
+  }
+  return sources;
+}
+
+void simplifyIfLarge(const ObjectSource& source, LoadedObject& object, const StopToken& stop) {
+  const std::size_t before = object.mesh_O.triangles.size();
+  if (before <= kEnoughTriangles) return;
+  object.mesh_O = simplified(std::move(object.mesh_O), kEnoughTriangles, stop);
+  const std::size_t after = object.mesh_O.triangles.size();
+  if (after > kEnoughTriangles)
+    refuse(source, fmt::format("{} triangles cannot be simplified to {}; decimate the mesh", before,
+                               kEnoughTriangles));
+  object.repairs.push_back(fmt::format("{} triangles simplified to {}", before, after));
+}
+
 }  // namespace
 
 void MeshFolderOptions::validate() const {
@@ -141,14 +166,13 @@ void MeshFolderOptions::validate() const {
 }
 
 std::vector<ObjectSource> builtinObjects(const std::vector<double>& scales) {
-  checkScales(scales);
-  std::vector<ObjectSource> sources;
-  for (const std::string& name : parametricNames()) {
-    ObjectSource one;
-    one.name = name;
-    for (ObjectSource& source : inScales(one, scales)) sources.push_back(std::move(source));
-  }
-  return sources;
+  return parametricSources(parametricNames(), scales);
+}
+
+std::vector<ObjectSource> paperObjects(const std::vector<double>& scales) {
+  return parametricSources({"bunny", "car", "cup", "duck", "goblet", "goose", "heart", "homer", "horse",
+                            "human", "mug", "paper_cup", "pen", "pillow", "radio", "squirrel", "toy_dog"},
+                           scales);
 }
 
 std::vector<ObjectSource> meshFolder(const std::filesystem::path& folder, const MeshFolderOptions& options) {
@@ -172,6 +196,7 @@ LoadedObject loadObject(const ObjectSource& source, const StopToken& stop) {
   if (mended.mesh.triangles.empty()) refuse(source, "no triangle has an area");
   checkSolid(source, mended.mesh);
   LoadedObject object{std::move(mended.mesh), {}, std::move(mended.repairs)};
+  simplifyIfLarge(source, object, stop);
   object.solid = massPropertiesOf(object.mesh_O);
   const double box = sizesOf(object.mesh_O).prod();
   if (!(object.solid.volume > 1e-6 * box)) refuse(source, "the mesh encloses no volume");

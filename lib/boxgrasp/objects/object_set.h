@@ -22,6 +22,9 @@ struct ObjectSource {
 // All parametric objects, each in every scale, in the order of their names.
 std::vector<ObjectSource> builtinObjects(const std::vector<double>& scales);
 
+// The 17 objects of the paper's Table I in its order, as parametric objects, each in every scale.
+std::vector<ObjectSource> paperObjects(const std::vector<double>& scales);
+
 struct MeshFolderOptions {
   std::vector<double> scales{1.0};
   double unit_m = 1.0;
@@ -42,10 +45,11 @@ struct LoadedObject {
   std::vector<std::string> repairs;  // what was mended, with counts
 };
 
-// Reads, mends and checks an object. Throws InputError that names the object, what is wrong and the remedy:
-// unreadable or empty files, holes and edges of more than two triangles with their numbers, no volume, an
-// extent outside 5 mm to 2 m (millimetres taken for metres), more than two million triangles; Stopped when
-// told to stop.
+// Reads, mends and checks an object; a mesh of more than 100,000 triangles is simplified to that many, which
+// is one of the repairs. That a surface passes through itself is not noticed. Throws InputError that names
+// the object, what is wrong and the remedy: unreadable or empty files, holes and edges of more than two
+// triangles with their numbers, no volume, an extent outside 5 mm to 2 m (millimetres taken for metres), more
+// than two million triangles; Stopped when told to stop.
 LoadedObject loadObject(const ObjectSource& source, const StopToken& stop = {});
 
 }  // namespace boxgrasp
