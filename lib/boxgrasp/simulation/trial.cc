@@ -29,16 +29,30 @@ bool shake(Grasping& grasping, const TrialOptions& options) {
   return true;
 }
 
+// The force, up to the limit, under which the object slips.
+double forceHeld(const Vector3d& direction_W, double limit_n, Grasping& grasping,
+                 const TrialOptions& options) {
+  double force = 0.0;
+  while (force < limit_n && !grasping.movedBeyond(options.push_slip_m)) {
+    grasping.step(grasping.weight_W() + force * direction_W);
+    force += options.push_rate_n_s * options.physics.step_s;
+  }
+  return std::min(force, limit_n);
+}
+
 void push(Grasping& grasping, const TrialOptions& options) {
   grasping.enter(TrialPhase::push);
   grasping.mark();
-  const Vector3d away_W = grasping.palm().linear().col(2);
-  double force = 0.0;
-  while (force < options.push_limit_n && !grasping.movedBeyond(options.push_slip_m)) {
-    grasping.step(grasping.weight_W() + force * away_W);
-    force += options.push_rate_n_s * options.physics.step_s;
+  const Grasping::State shaken = grasping.state();
+  const Matrix3d R_WP = grasping.palm().linear();
+  double least = options.push_limit_n;
+  for (const int axis : {2, 1, 0}) {
+    for (const double sign : {1.0, -1.0}) {
+      grasping.restore(shaken);
+      least = forceHeld(sign * R_WP.col(axis), least, grasping, options);
+    }
   }
-  grasping.result().push_force_n = std::min(force, options.push_limit_n);
+  grasping.result().push_force_n = least;
 }
 
 std::string reportOf(const TrialResult& result) {

@@ -55,7 +55,7 @@ struct TrialOptions {
   double shake_frequency_hz = 2.0;
   int shake_periods = 1;                          // along and about each axis
   double shake_angle_rad = std::numbers::pi / 6;  // about each axis through the palm's origin
-  double push_rate_n_s = 20.0;  // along z of P, away from the palm, where friction alone holds
+  double push_rate_n_s = 20.0;  // under the object's weight, along both ways of each axis of P in turn
   double push_slip_m = 0.02;    // slipped this far, the object is lost
   double push_limit_n = 60.0;   // an object that holds this is held; no more is asked
 
@@ -100,7 +100,8 @@ struct TrialResult {
       quality;  // of the contacts, torques about the centre of mass over its largest distance to the surface
   double lift_slip_m = NAN;        // of the centre of mass in the palm's frame
   double lift_rotation_rad = NAN;  // of the object in the palm's frame
-  double push_force_n = NAN;       // held before it slipped
+  double push_force_n =
+      NAN;  // at the centre of mass, before it slipped; in the weakest of the six directions
   double simulated_s = 0.0;
   std::size_t steps = 0;
   bool physics_failed = false;  // a step could not be solved; counts as unstable

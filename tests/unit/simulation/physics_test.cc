@@ -83,6 +83,85 @@ TEST(Physics, BlockOnASlopeHoldsBelowTheFrictionAngleAndSlidesAboveIt) {
   }
 }
 
+struct Balls {
+  static constexpr double kRadius = 0.03;
+  PhysicsWorld world{0.001};
+  std::vector<BodyId> balls;
+  std::vector<double> masses{0.2, 0.05};
+
+  Balls() {
+    for (int i = 0; i < 2; ++i) {
+      const Vector3d at(i * 0.1, i * 0.02, i * -0.01);
+      balls.push_back(world.addBody(masses[i], inertia(i), makePose(Matrix3d::Identity(), at)));
+    }
+    world.setTwist(balls[0], {Vector3d(1.0, 0.1, 0.0), Vector3d(5, -20, 10)});
+    world.setTwist(balls[1], {Vector3d(-0.5, 0.0, 0.05), Vector3d(0, 10, 30)});
+  }
+  Matrix3d inertia(int i) const { return 0.4 * masses[i] * kRadius * kRadius * Matrix3d::Identity(); }
+  bool step() {
+    const Vector3d a = world.pose(balls[0]).translation(), b = world.pose(balls[1]).translation();
+    const double depth = 2 * kRadius - (b - a).norm();
+    std::vector<PhysicalContact> contacts;
+    if (depth > 0) {
+      contacts.push_back({balls[1], balls[0], 0.5 * (a + b), (b - a).normalized(), depth, 0.5});
+    }
+    world.step(contacts);
+    return depth > 0;
+  }
+  double energy() const {
+    double sum = 0;
+    for (int i = 0; i < 2; ++i) {
+      const Twist twist = world.twist(balls[i]);
+      sum += 0.5 * masses[i] * twist.velocity_W.squaredNorm() +
+             0.5 * twist.angular_velocity_W.dot(inertia(i) * twist.angular_velocity_W);
+    }
+    return sum;
+  }
+  Vector3d momentum() const {
+    return masses[0] * world.twist(balls[0]).velocity_W + masses[1] * world.twist(balls[1]).velocity_W;
+  }
+  Vector3d angularMomentum() const {
+    Vector3d sum = Vector3d::Zero();
+    for (int i = 0; i < 2; ++i) {
+      const Twist twist = world.twist(balls[i]);
+      sum += masses[i] * world.pose(balls[i]).translation().cross(twist.velocity_W) +
+             inertia(i) * twist.angular_velocity_W;
+    }
+    return sum;
+  }
+};
+
+TEST(Physics, CollisionKeepsBothMomentaAndGainsNoEnergy) {
+  Balls balls;
+  const Vector3d momentum = balls.momentum(), angular = balls.angularMomentum();
+  const double energy = balls.energy();
+  int touched = 0;
+  for (int i = 0; i < 300; ++i) touched += balls.step();
+  EXPECT_GT(touched, 3) << "the balls missed each other";
+  EXPECT_LT((balls.momentum() - momentum).norm(), 1e-9 * momentum.norm());
+  EXPECT_LT((balls.angularMomentum() - angular).norm(), 1e-6 * angular.norm());
+  EXPECT_LT(balls.energy(), energy);
+}
+
+TEST(Physics, DroppedBallNeverComesBackHigher) {
+  PhysicsWorld world(0.002);
+  const BodyId ground = world.addKinematicBody(Pose::Identity());
+  const BodyId ball = world.addBody(kMass, kInertia, makePose(Matrix3d::Identity(), Vector3d(0, 0, 0.3)));
+  std::vector<double> peaks{0.3};
+  for (int i = 0; i < 2000; ++i) {
+    const double z = world.pose(ball).translation().z(), rising = world.twist(ball).velocity_W.z();
+    std::vector<PhysicalContact> contacts;
+    if (z < 0) contacts.push_back({ball, ground, Vector3d(0, 0, z), Vector3d::UnitZ(), -z, 0.5});
+    world.push(ball, Vector3d(0, 0, -kMass * kGravity));
+    world.step(contacts);
+    if (z > 0 && rising > 0 && world.twist(ball).velocity_W.z() <= 0) peaks.push_back(z);
+    ASSERT_GT(z, -0.05) << "fell through the ground";
+  }
+  EXPECT_GT(peaks.size(), 1u) << "a soft ground makes a ball of this mass bounce";
+  for (std::size_t i = 1; i < peaks.size(); ++i) EXPECT_LT(peaks[i], peaks[i - 1]) << "bounce " << i;
+  EXPECT_NEAR(world.pose(ball).translation().z(), -kMass * kGravity / ContactMaterial{}.stiffness, 1e-5);
+}
+
 TEST(Physics, ContactForcesCarryTheWeight) {
   PhysicsWorld world(0.002);
   const BodyId ground = world.addKinematicBody(Pose::Identity());

@@ -83,6 +83,107 @@ TEST(Trial, MirrorImageOfTheHandGivesTheMirrorImageOfTheGrasp) {
   EXPECT_NEAR(result.outer[kF1], result.outer[kF2], 1e-2);
 }
 
+double pressedBy(const TrialResult& result, int finger) {
+  double sum = 0;
+  for (const TrialContact& contact : result.contacts) {
+    if (contact.finger == finger) sum += contact.force_O.dot(contact.normal_O);
+  }
+  return sum;
+}
+
+// By statics: three fingers at 120 degrees press alike, and of three on two opposite faces one presses as
+// much as the two. The motors press until the heaviest loaded finger bears almost what it may.
+TEST(Trial, FingersPressAsStaticsSaysAndNoneHarderThanItMay) {
+  const double most = barrettHand().max_tip_force;
+  const TrialResult round =
+      runTrial(barrettHand(), ball(), fromAbove(0.09, kPi / 3, -0.025 / std::tan(kPi / 3)), closingOnly());
+  for (int finger = 0; finger < 3; ++finger) {
+    EXPECT_GT(pressedBy(round, finger), 0.8 * most) << "finger " << finger;
+    EXPECT_LT(pressedBy(round, finger), most) << "finger " << finger;
+  }
+  const TrialResult flat = runTrial(barrettHand(), block(), fromAbove(0.13, 0.0), closingOnly());
+  EXPECT_NEAR(pressedBy(flat, kThumb), 0.93 * most, 0.05 * most);
+  EXPECT_NEAR(pressedBy(flat, kF1), 0.5 * pressedBy(flat, kThumb), 0.05 * most);
+  EXPECT_NEAR(pressedBy(flat, kF2), 0.5 * pressedBy(flat, kThumb), 0.05 * most);
+}
+
+// Even closed at the real hand's full rate.
+TEST(Trial, FingersDoNotPassThroughThinThings) {
+  TrialOptions options = closingOnly();
+  options.physics.drive.closing_rate_rad_s = 2.44;
+  const double thick_m = 0.002;
+  const SimulatedObject wall = makeSimulatedObject(boxMesh({0.09, thick_m, 0.12}));
+  const SimulatedObject pen = makeSimulatedObject(boxMesh({0.14, 0.008, 0.008}));
+  for (const auto& [object, height_m] : {std::pair(&wall, 0.13), {&pen, 0.09}}) {
+    const TrialResult result = runTrial(barrettHand(), *object, fromAbove(height_m, 0.0), options);
+    ASSERT_EQ(result.outcome, TrialOutcome::held) << result.report;
+    for (const TrialContact& contact : result.contacts) {
+      // The palm's y is -y of O: the thumb is at +y, and its pad's normal points into the object.
+      EXPECT_LT(contact.normal_O.y() * (contact.finger == kThumb ? 1 : -1), 0) << contact.link;
+      EXPECT_GT(contact.p_O.y() * (contact.finger == kThumb ? 1 : -1), 0) << contact.link;
+    }
+  }
+}
+
+// A block turned and off the middle, so that no two fingers do alike.
+TrialInput askew() {
+  TrialInput input = fromAbove(0.13, 0.2, 0.004);
+  input.X_OP = input.X_OP * Eigen::Translation3d(0.008, 0, 0) * Eigen::AngleAxisd(0.15, Vector3d::UnitZ());
+  return input;
+}
+
+void expectImage(const TrialResult& result, const TrialResult& image, const Eigen::Affine3d& X_IO,
+                 const std::array<int, 3>& finger_of_image) {
+  EXPECT_EQ(result.outcome, image.outcome) << result.report << " / " << image.report;
+  EXPECT_NEAR(result.quality.epsilon, image.quality.epsilon, 0.01);
+  EXPECT_NEAR(result.lift_slip_m, image.lift_slip_m, 1e-3);
+  EXPECT_NEAR(result.push_force_n, image.push_force_n, 0.1 * result.push_force_n);
+  ASSERT_EQ(result.contacts.size(), image.contacts.size());
+  for (const TrialContact& contact : result.contacts) {
+    double nearest = INFINITY;
+    for (const TrialContact& other : image.contacts) {
+      if (contact.finger >= 0 && other.finger != finger_of_image[contact.finger]) continue;
+      nearest = std::min(nearest, (X_IO * contact.p_O - other.p_O).norm());
+    }
+    EXPECT_LT(nearest, 1e-3) << contact.link;
+  }
+}
+
+TEST(Trial, MirroredGraspHasTheMirroredResult) {
+  const Eigen::Affine3d mirror(Eigen::Scaling(-1.0, 1.0, 1.0));  // of the block, its own image, and of P
+  TrialInput mirrored = askew();
+  mirrored.X_OP = Pose((mirror * mirrored.X_OP * mirror).matrix());
+  expectImage(runTrial(barrettHand(), block(), askew()), runTrial(barrettHand(), block(), mirrored), mirror,
+              {kF2, kF1, kThumb});
+}
+
+TEST(Trial, MovedGraspHasTheSameResult) {
+  const Pose X_MO = makePose(Eigen::AngleAxisd(0.7, Vector3d(1, 2, -1).normalized()).toRotationMatrix(),
+                             Vector3d(0.3, -0.2, 0.5));
+  TriangleMesh mesh = boxMesh({0.09, 0.06, 0.12});
+  for (Vector3d& p : mesh.vertices) p = X_MO * p;
+  TrialInput moved_input = askew();
+  moved_input.X_OP = X_MO * moved_input.X_OP;
+  moved_input.gravity_O = X_MO.linear() * moved_input.gravity_O;
+  expectImage(runTrial(barrettHand(), block(), askew()),
+              runTrial(barrettHand(), makeSimulatedObject(mesh), moved_input), Eigen::Affine3d(X_MO.matrix()),
+              {kF1, kF2, kThumb});
+}
+
+// What friction alone holds grows with it; and no direction is held by more than all contacts can give.
+TEST(Trial, PushedObjectHoldsWhatFrictionGives) {
+  double held_n = 0.0;
+  for (const double friction : {0.4, 0.6, 0.8}) {
+    TrialOptions options;
+    options.physics.friction = friction;
+    const TrialResult result = runTrial(barrettHand(), block(), fromAbove(0.13, 0.0), options);
+    EXPECT_GT(result.push_force_n, 1.2 * held_n) << "friction " << friction;
+    held_n = result.push_force_n;
+    const double pressed = pressedBy(result, kF1) + pressedBy(result, kF2) + pressedBy(result, kThumb);
+    EXPECT_LT(held_n, 1.4 * friction * pressed) << "friction " << friction;
+  }
+}
+
 TEST(Trial, HeldBlockComesThroughLiftShakeAndPull) {
   const TrialResult result = runTrial(barrettHand(), block(), fromAbove(0.13, 0.0));
   EXPECT_EQ(result.outcome, TrialOutcome::held) << result.report;
