@@ -7,6 +7,7 @@
 #include "boxgrasp/base/exit_code.h"
 #include "boxgrasp/base/stop_token.h"
 #include "keygen_command.h"
+#include "objects_command.h"
 #include "publish_command.h"
 #include "quality_command.h"
 #include "rates_command.h"
@@ -136,6 +137,42 @@ void addRates(CLI::App& app, RatesCommand& command) {
   app.add_flag("--json", command.json, "print the table as JSON");
 }
 
+// Commands of their own below `objects`.
+struct ObjectsApps {
+  CLI::App *list, *check, *fetch, *view;
+};
+
+void addObjectSet(CLI::App& app, ObjectsCommand& command) {
+  app.add_option("--objects", command.objects, "'builtin', 'paper' (its Table I), or a folder of meshes")
+      ->capture_default_str();
+  app.add_option("--scales", command.scales, "sizes relative to the natural one")->capture_default_str();
+  app.add_option("--unit-m", command.unit_m, "unit of the meshes in metres: 0.001 for millimetres")
+      ->capture_default_str();
+  app.add_option("--target-size-m", command.target_size_m, "longest side of every mesh; 0: as in its file")
+      ->capture_default_str();
+}
+
+ObjectsApps addObjects(CLI::App& app, ObjectsCommand& command) {
+  app.require_subcommand(1);
+  const ObjectsApps apps{app.add_subcommand("list", "print the names of a set"),
+                         app.add_subcommand("check", "load each object and say what is wrong with it"),
+                         app.add_subcommand("fetch", "take meshes from Debian's packages"),
+                         app.add_subcommand("view", "draw an object and what a depth camera sees of it")};
+  for (CLI::App* one : {apps.list, apps.check, apps.view}) addObjectSet(*one, command);
+  apps.fetch->add_option("folder", command.folder, "where the meshes go")->capture_default_str();
+  apps.view->add_option("name", command.name, "one of the objects")->required();
+  apps.view->add_option("--out", command.out, "the picture to write, PNG")->capture_default_str();
+  return apps;
+}
+
+int runObjects(const ObjectsApps& apps, const ObjectsCommand& command) {
+  if (apps.list->parsed()) listObjects(command);
+  if (apps.check->parsed()) return checkObjects(command);
+  if (apps.fetch->parsed()) fetchObjects(command);
+  if (apps.view->parsed()) viewObject(command);
+  return kDone;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -171,6 +208,9 @@ int main(int argc, char** argv) {
   CLI::App* rates_app =
       app.add_subcommand("rates", "simulate how often the planner's grasps are held, and random ones");
   addRates(*rates_app, rates);
+  ObjectsCommand objects;
+  CLI::App* objects_app = app.add_subcommand("objects", "list, check, fetch and view objects");
+  const ObjectsApps objects_apps = addObjects(*objects_app, objects);
   addTrain(*train_app, train);
   addSample(*sample_app, sample);
   try {
@@ -188,6 +228,7 @@ int main(int argc, char** argv) {
     if (show_app->parsed()) runShow(show);
     if (spread_app->parsed()) runSpread(spread);
     if (rates_app->parsed()) runRates(rates);
+    if (objects_app->parsed()) return runObjects(objects_apps, objects);
     return kDone;
   } catch (const Stopped&) {
     fmt::print(stderr, "boxgrasp-trainer: stopped; nothing was written\n");
