@@ -43,7 +43,7 @@ std::vector<Cloud> cloudsOf(const SpreadCommand& command, const TriedObject& obj
                             const HandDescription& hand, const StopToken& stop) {
   FoundGrasps found = findGrasps(hand, object.mesh_O, command.threads, stop);
   const Series dots = markers(Marker::circle, 4.0, 0.45), crosses = markers(Marker::cross, 7.0, 1.0),
-               diamonds = markers(Marker::diamond, 9.0, 1.0);
+               diamonds = markers(Marker::diamond, 7.0, 0.7);
   return {{"random", dots, randomHypotheses(hand, object.mesh_O, command.random, command.seed), {}},
           {"approach and close", crosses, std::move(found.approach), {}},
           {"hypotheses", diamonds, std::move(found.hypotheses), {}}};

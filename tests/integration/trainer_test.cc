@@ -1,7 +1,9 @@
 // The trainer's commands as users run them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <csignal>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -113,6 +115,77 @@ TEST_F(Quality, RefusesBadOptions) {
   EXPECT_THAT(quality(kThree.dump(), {"--norm", "l2"}).err, HasSubstr("l2"));
   EXPECT_THAT(quality(kThree.dump(), {"--edges", "2"}).err, HasSubstr("cone_edges"));
   EXPECT_THAT(run({BOXGRASP_TRAINER, "quality", "/no/such.json"}).err, HasSubstr("/no/such.json"));
+}
+
+Finished trainer(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), BOXGRASP_TRAINER);
+  return run(arguments, 120.0);
+}
+
+TEST(Show, DrawsAGraspOfAnObjectThatIsPlannedAnew) {
+  const TemporaryFolder folder;
+  const Finished shown = trainer({"show", "mug@1.00/whole/random/3", "--out", folder / "film.png"});
+  ASSERT_EQ(shown.code, kDone) << shown.err;
+  EXPECT_THAT(shown.out, AllOf(HasSubstr("mug@1.00/whole/random/3"), HasSubstr("planned anew")));
+  EXPECT_GT(fs::file_size(folder / "film.png"), 10'000u);
+}
+
+TEST(Show, RefusesGraspsThatAreNotThereByName) {
+  const auto refusal = [](const std::string& grasp) {
+    const Finished finished = trainer({"show", grasp, "--out", "/tmp/never.png"});
+    EXPECT_EQ(finished.code, kBadInput) << grasp;
+    return finished.err;
+  };
+  EXPECT_THAT(refusal("mug"), HasSubstr("mug@1.00/whole/planner/17"));
+  EXPECT_THAT(refusal("elk@1.00/whole/planner/1"), HasSubstr("no object 'elk' in 'builtin'"));
+  EXPECT_THAT(refusal("mug@1.00/whole/planner/99999"), HasSubstr("no grasp mug@1.00/whole/planner/99999"));
+  EXPECT_THAT(refusal("mug@1.00/camera-1/planner/1"), HasSubstr("--store"));
+}
+
+TEST(Spread, TellsWhereTheHypothesesStandTheSameOnAnyNumberOfThreads) {
+  const TemporaryFolder folder;
+  const auto spread = [&](const std::string& threads) {
+    const Finished finished = trainer({"spread", "--object", "cup", "--random", "20", "--json", "--threads",
+                                       threads, "--out", folder / "spread.svg"});
+    EXPECT_EQ(finished.code, kDone) << finished.err;
+    std::ifstream plot(folder / "spread.svg");
+    return finished.out + std::string(std::istreambuf_iterator<char>(plot), {});
+  };
+  const std::string one = spread("1");
+  EXPECT_EQ(one, spread("2"));
+  EXPECT_THAT(one, AllOf(HasSubstr("percentile_epsilon"), HasSubstr("</svg>")));
+}
+
+TEST(Spread, CtrlCStopsItAndNothingIsWritten) {
+  const TemporaryFolder folder;
+  Process process({BOXGRASP_TRAINER, "spread", "--random", "500", "--out", folder / "spread.svg"});
+  while (process.running() && process.err().find("closing: ") == std::string::npos) usleep(50'000);
+  process.signal(SIGINT);
+  EXPECT_EQ(process.wait(30.0), kInterrupted);
+  EXPECT_THAT(process.err(), HasSubstr("stopped"));
+  EXPECT_FALSE(fs::exists(folder / "spread.svg"));
+}
+
+TEST(Rates, LeavesOutWhatCannotBeSimulatedAndCountsTheRest) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "open.off") << "OFF\n3 1 0\n0 0 0\n0.1 0 0\n0 0.1 0\n3 0 1 2\n";
+  std::ofstream(folder / "box.off")
+      << "OFF\n8 12 0\n0 0 0\n.06 0 0\n.06 .05 0\n0 .05 0\n0 0 .12\n.06 0 .12\n.06 .05 .12\n0 .05 .12\n"
+         "3 0 2 1\n3 0 3 2\n3 4 5 6\n3 4 6 7\n3 0 1 5\n3 0 5 4\n3 1 2 6\n3 1 6 5\n3 2 3 7\n3 2 7 6\n"
+         "3 3 0 4\n3 3 4 7\n";
+  const Finished rates =
+      trainer({"rates", "--objects", folder / "", "--random", "5", "--limit", "10", "--json"});
+  ASSERT_EQ(rates.code, kDone) << rates.err;
+  EXPECT_THAT(rates.err, AllOf(HasSubstr("left out"), HasSubstr("open.off")));
+  const json report = json::parse(rates.out);
+  ASSERT_EQ(report["objects"].size(), 1u);
+  const json box = report["objects"][0];
+  EXPECT_EQ(box["object"], "box");
+  EXPECT_EQ(box["hypotheses"]["of"], 10);
+  EXPECT_EQ(box["random"]["of"], 5);
+  EXPECT_EQ(box["first"]["of"], 1);
+  EXPECT_EQ(report["all"]["hypotheses"], box["hypotheses"]);
+  EXPECT_GE(box["hypotheses"]["held"], 8) << "a wooden block of 180 g";
 }
 
 }  // namespace
