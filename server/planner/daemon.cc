@@ -13,7 +13,7 @@
 
 #include "boxgrasp/base/error.h"
 #include "boxgrasp/messaging/channels.h"
-#include "boxgrasp/messaging/lcm_bus.h"
+#include "boxgrasp/messaging/isolated_bus.h"
 #include "boxgrasp/messaging/plan_conversion.h"
 #include "clerk.h"
 #include "instance_lock.h"
@@ -67,8 +67,10 @@ class Daemon {
       : options_(options),
         lock_(options.lcm_url),
         state_(options.state_dir),
-        bus_({options.lcm_url, static_cast<std::int64_t>(options.receive_buffer_bytes)},
-             [this](const std::string& channel, const std::string& problem) { refused(channel, problem); }),
+        bus_(
+            {{options.lcm_url, static_cast<std::int64_t>(options.receive_buffer_bytes)}},
+            [this](const std::string& channel, const std::string& problem) { refused(channel, problem); },
+            [](const std::string& what) { spdlog::warn("{}", what); }),
         models_(
             std::make_shared<const GraspPlanner>(std::move(planner)),
             {state_.file("models"), keysIn(options.trusted_keys), options.oldest_model},
@@ -89,6 +91,7 @@ class Daemon {
     if (!options.cloud_channel.empty())
       bus_.subscribe(options.cloud_channel, kMaxMessageBytes,
                      [this](auto bytes) { service_.cloud(options_.cloud_channel, bytes); });
+    bus_.open();
   }
 
   void run() {
@@ -183,7 +186,7 @@ class Daemon {
   const Descriptor wake_{eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)};
   const InstanceLock lock_;
   const StateFolder state_;
-  LcmBus bus_;
+  IsolatedBus bus_;
   ModelDesk models_;
   OutcomeDesk outcomes_;
   PlanService service_;
