@@ -10,6 +10,7 @@ inline constexpr double kUnitVector = 1e-9;        // how far from 1 the norm of
 inline constexpr double kAngle = 1e-9;             // angles closer than this are equal
 inline constexpr double kSymmetricFingers = 5e-4;  // two finger points this near to mirror images count as
                                                    // such: well under a fingertip's accuracy
+inline constexpr double kEqualTheta = 1e-9;  // cuts whose Theta (a ratio of areas) differs by less are equal
 inline constexpr double kWrenchRank =
     1e-9;  // wrenches whose smallest dimension, over the largest, is below this are flat
 inline constexpr double kWrenchMargin =

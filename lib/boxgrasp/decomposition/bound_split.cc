@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "boxgrasp/decomposition/splits.h"
@@ -7,14 +6,15 @@
 namespace boxgrasp {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr double kMostCuts = 10'000;  // along an edge: bounds the work on clouds far larger than a hand
 
 // A bounding rectangle that grows: along the direction that is cut and across it.
 struct Bounds {
-  double low = kInfinity, high = -kInfinity, low_across = kInfinity, high_across = -kInfinity;
+  float low = kInfinity, high = -kInfinity, low_across = kInfinity, high_across = -kInfinity;
   std::size_t points = 0;
 
-  void add(double along, double across) {
+  void add(float along, float across) {
     low = std::min(low, along), high = std::max(high, along);
     low_across = std::min(low_across, across), high_across = std::max(high_across, across);
     ++points;
@@ -25,37 +25,42 @@ struct Bounds {
     high_across = std::max(high_across, other.high_across);
     points += other.points;
   }
-  double area() const { return points ? (high - low) * (high_across - low_across) : 0.0; }
+  double area() const {
+    if (points == 0) return 0.0;
+    return (static_cast<double>(high) - low) * (static_cast<double>(high_across) - low_across);
+  }
 };
 
 struct Position {
   double theta = kInfinity;
-  double offset = 0.0;
+  float offset = 0.0f;  // the last coordinate on the first side
 };
 
 // Points fall into strips between neighbouring cuts; the sides of each cut are the sums of the strips before
 // and behind it.
-Position bestPosition(const std::vector<double>& along, const std::vector<double>& across, double area,
-                      double step, std::size_t least) {
+Position bestPosition(std::span<const float> along, std::span<const float> across, double area, double step_m,
+                      std::size_t least) {
   const auto [low, high] = std::minmax_element(along.begin(), along.end());
-  const auto strips = static_cast<std::size_t>(std::ceil((*high - *low) / step)) + 1;
-  std::vector<Bounds> strip(strips);
+  const double start = *low, length = static_cast<double>(*high) - start;
+  const double step = std::max(step_m, length / kMostCuts);
+  std::vector<Bounds> strips(static_cast<std::size_t>(length / step) + 2);
   for (std::size_t i = 0; i < along.size(); ++i) {
-    const double place = std::ceil((along[i] - *low) / step);
-    strip[std::min(strips - 1, static_cast<std::size_t>(place))].add(along[i], across[i]);
+    const double place = (along[i] - start) / step;
+    const auto whole = static_cast<std::uint32_t>(place);
+    strips[whole + (place > whole ? 1 : 0)].add(along[i], across[i]);
   }
-  std::vector<Bounds> behind(strips + 1);
-  for (std::size_t k = strips; k-- > 0;) {
+  std::vector<Bounds> behind(strips.size() + 1);
+  for (std::size_t k = strips.size(); k-- > 0;) {
     behind[k] = behind[k + 1];
-    behind[k].add(strip[k]);
+    behind[k].add(strips[k]);
   }
   Position best;
   Bounds before;
-  for (std::size_t k = 0; k + 1 < strips; ++k) {
-    before.add(strip[k]);
+  for (std::size_t k = 0; k < strips.size(); ++k) {
+    before.add(strips[k]);
     const double theta = (before.area() + behind[k + 1].area()) / area;
     if (before.points >= least && behind[k + 1].points >= least && theta < best.theta)
-      best = {theta, *low + step * static_cast<double>(k)};
+      best = {theta, before.high};
   }
   return best;
 }
@@ -72,7 +77,7 @@ std::optional<BestLine> bestBoundLine(const FaceProjections& faces, const Decomp
     const bool upright = vertical.theta <= horizontal.theta;
     const Position& position = upright ? vertical : horizontal;
     if (position.theta == kInfinity || (best && position.theta >= best->theta)) continue;
-    best = BestLine{position.theta, f, {upright ? Vector2d::UnitX() : Vector2d::UnitY(), position.offset}};
+    best = BestLine{position.theta, f, upright ? Line{1, 0, position.offset} : Line{0, 1, position.offset}};
   }
   return best;
 }

@@ -28,26 +28,23 @@ double lengthOf(const std::vector<Vector2d>& polyline) {
   return length;
 }
 
-Vector2d pointAlong(const std::vector<Vector2d>& polyline, double distance) {
-  for (std::size_t i = 0; i + 1 < polyline.size(); ++i) {
-    const Vector2d step = polyline[i + 1] - polyline[i];
-    if (distance <= step.norm()) return polyline[i] + step.normalized() * distance;
-    distance -= step.norm();
-  }
-  return polyline.back();
+Sample sampleAt(const std::vector<Vector2d>& polyline, double distance) {
+  std::size_t i = 0;
+  for (; i + 2 < polyline.size() && distance > (polyline[i + 1] - polyline[i]).norm(); ++i)
+    distance -= (polyline[i + 1] - polyline[i]).norm();
+  const Vector2d edge = (polyline[i + 1] - polyline[i]).normalized();
+  return {polyline[i] + edge * distance, edge};
 }
 
-std::vector<Vector2d> samplesOn(const std::vector<Vector2d>& segment, int count) {
-  std::vector<Vector2d> samples;
+void appendSamples(const std::vector<Vector2d>& segment, int count, std::vector<Sample>& samples) {
   const double length = lengthOf(segment);
-  for (int i = 0; i < count; ++i) samples.push_back(pointAlong(segment, length * (i + 0.5) / count));
-  return samples;
+  for (int i = 0; i < count; ++i) samples.push_back(sampleAt(segment, length * (i + 0.5) / count));
 }
 
 Line lineThrough(const Vector2d& a, const Vector2d& b) {
   const Vector2d along = (b - a).normalized();
   const Vector2d normal(-along.y(), along.x());
-  return {normal, normal.dot(a)};
+  return {static_cast<float>(normal.x()), static_cast<float>(normal.y()), static_cast<float>(normal.dot(a))};
 }
 
 }  // namespace
@@ -73,26 +70,16 @@ std::vector<std::vector<Vector2d>> longSegments(const Polygon& hull, const Decom
   return segments;
 }
 
-std::vector<CutFan> cutFans(const Polygon& hull, const DecompositionOptions& options) {
-  std::vector<std::vector<Vector2d>> samples;
+CutLines cutLines(const Polygon& hull, const DecompositionOptions& options) {
+  CutLines cuts;
+  const auto each = static_cast<std::size_t>(options.samples_per_segment);
   for (const auto& segment : longSegments(hull, options))
-    samples.push_back(samplesOn(segment, options.samples_per_segment));
-  std::vector<CutFan> fans;
-  for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
-    for (const Vector2d& apex : samples[i]) {
-      fans.push_back({apex, {}});
-      for (std::size_t j = i + 1; j < samples.size(); ++j) {
-        for (const Vector2d& b : samples[j]) fans.back().lines.push_back(lineThrough(apex, b));
-      }
-    }
+    appendSamples(segment, options.samples_per_segment, cuts.samples);
+  for (std::size_t from = 0; from < cuts.samples.size(); ++from) {
+    for (std::size_t to = (from / each + 1) * each; to < cuts.samples.size(); ++to)
+      cuts.lines.push_back({lineThrough(cuts.samples[from].point, cuts.samples[to].point), from, to});
   }
-  return fans;
-}
-
-std::vector<Line> cutLines(const std::vector<CutFan>& fans) {
-  std::vector<Line> lines;
-  for (const CutFan& fan : fans) lines.insert(lines.end(), fan.lines.begin(), fan.lines.end());
-  return lines;
+  return cuts;
 }
 
 }  // namespace boxgrasp

@@ -13,15 +13,25 @@ namespace boxgrasp {
 // the polyline of its vertices.
 std::vector<std::vector<Vector2d>> longSegments(const Polygon& hull, const DecompositionOptions& options);
 
-// The lines from one sample point, the apex, to those of all later segments.
-struct CutFan {
-  Vector2d apex;
-  std::vector<Line> lines;
+// A point of a long segment where lines end. All of the hull is on the left of `edge`, the unit direction of
+// the hull edge that it lies on.
+struct Sample {
+  Vector2d point{0, 0};
+  Vector2d edge{1, 0};
 };
 
-// Every line through a sample point of one long segment and one of another, in a fixed order. Sample points
-// lie on the hull, evenly spaced.
-std::vector<CutFan> cutFans(const Polygon& hull, const DecompositionOptions& options);
-std::vector<Line> cutLines(const std::vector<CutFan>& fans);
+// The line through two samples; its first side is on the right of the way from one to the other.
+struct CutLine {
+  Line line;
+  std::size_t from = 0, to = 0;  // in CutLines::samples
+};
+
+// Every line through a sample of one long segment and one of another, in a fixed order: by `from`, then `to`.
+// Samples are evenly spaced on each segment.
+struct CutLines {
+  std::vector<Sample> samples;
+  std::vector<CutLine> lines;
+};
+CutLines cutLines(const Polygon& hull, const DecompositionOptions& options);
 
 }  // namespace boxgrasp

@@ -3,11 +3,12 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numeric>
 
 #include "boxgrasp/base/error.h"
 #include "boxgrasp/base/parallel.h"
+#include "boxgrasp/decomposition/jury.h"
 #include "boxgrasp/decomposition/splits.h"
+#include "boxgrasp/decomposition/z_order.h"
 #include "boxgrasp/geometry/min_volume_box.h"
 
 namespace boxgrasp {
@@ -18,103 +19,186 @@ void requireUsable(const PointCloud& cloud_C) {
   for (std::size_t i = 0; i < cloud_C.size(); ++i) {
     if (!std::isfinite(cloud_C.x[i]) || !std::isfinite(cloud_C.y[i]) || !std::isfinite(cloud_C.z[i])) {
       throw InputError(
-          fmt::format("cannot decompose a cloud whose point {} is not finite: validate it first", i));
+          fmt::format("cannot decompose a cloud whose point {} is "
+                      "not finite: validate it first",
+                      i));
     }
   }
 }
 
-BoxNode nodeOf(const PointCloud& cloud_C, std::vector<std::uint32_t> points, int parent, int depth,
-               const StopToken& stop) {
+// The points of a node, together in memory, with their indices in the cloud.
+struct Part {
+  PointCloud points_C;
+  std::vector<std::uint32_t> indices;
+  OrientedBox box;
+};
+
+Part partOf(PointCloud points_C, std::vector<std::uint32_t> indices) {
+  return {std::move(points_C), std::move(indices), {}};
+}
+
+BoxNode nodeOf(const OrientedBox& box, int parent, int depth) {
   BoxNode node;
-  node.box = minVolumeBox(select(cloud_C, points), {}, stop);
+  node.box = box;
   node.parent = parent;
   node.depth = depth;
-  node.points = std::move(points);
   return node;
 }
 
-// Grows the tree breadth first: one node after the other is split or becomes a leaf with a reason.
+using Parts = std::array<Part, 2>;
+
+// Both sides of the plane through a line on a face.
+Parts divide(const Part& part, const FaceProjection& face, const Line& line) {
+  std::array<std::vector<std::uint32_t>, 2> places, indices;
+  const std::size_t first = countFirst(face, line);
+  places[0].resize(first + 1);
+  places[1].resize(part.indices.size() - first + 1);
+  std::array<std::size_t, 2> count{0, 0};
+  for (std::size_t i = 0; i < part.indices.size(); ++i) {
+    const std::size_t side = line.isFirst(face.x[i], face.y[i]) ? 0 : 1;
+    places[side][count[side]++] = static_cast<std::uint32_t>(i);
+  }
+  Parts parts;
+  for (std::size_t side = 0; side < 2; ++side) {
+    places[side].pop_back();
+    for (const std::uint32_t place : places[side]) indices[side].push_back(part.indices[place]);
+    parts[side] = partOf(select(part.points_C, places[side]), std::move(indices[side]));
+  }
+  return parts;
+}
+
+// What became of the attempt to split a node.
+struct Trial {
+  double theta = -1.0;
+  std::optional<Cut> cut;
+  Parts parts;
+  double volume = -1.0;    // of both parts' boxes
+  std::string impossible;  // why there are no parts
+};
+
+// Grows the tree breadth first. The trials of one level do not depend on each other; what is made of them is
+// decided in order.
 class TreeBuilder {
  public:
   TreeBuilder(const PointCloud& cloud_C, const DecompositionOptions& options, const StopToken& stop)
       : cloud_C_(cloud_C), options_(options), stop_(stop) {}
 
   BoxTree build() {
-    std::vector<std::uint32_t> all(cloud_C_.size());
-    std::iota(all.begin(), all.end(), 0u);
-    tree_.nodes.push_back(nodeOf(cloud_C_, std::move(all), -1, 0, stop_));
-    volume_ = tree_.nodes.front().box.volume();
-    for (std::size_t i = 0; i < tree_.nodes.size(); ++i) {
-      stop_.check();
-      tree_.nodes[i].stop_reason = splitOrReason(static_cast<int>(i));
-    }
+    std::vector<std::uint32_t> order = zOrder(cloud_C_);
+    PointCloud points_C = select(cloud_C_, order);
+    std::vector<Part> level{partOf(std::move(points_C), std::move(order))};
+    level[0].box = minVolumeBox(level[0].points_C, {}, stop_);
+    tree_.nodes.push_back(nodeOf(level[0].box, -1, 0));
+    volume_ = level[0].box.volume();
+    for (int first = 0; !level.empty(); first = first_of_level_) level = nextLevel(first, std::move(level));
+    givePoints();
     return std::move(tree_);
   }
 
  private:
-  // Splits the node and returns nothing, or says why it stays whole.
-  std::string splitOrReason(int index) {
-    if (std::string reason = tooSmall(tree_.nodes[index]); !reason.empty()) return reason;
-    std::optional<Split> split = bestSplit(tree_.nodes[index]);
-    if (!split) return "no cut between long segments of the hull leaves enough points on both sides";
-    tree_.nodes[index].theta = split->theta;
-    tree_.nodes[index].cut = split->cut;
-    if (split->theta >= options_.gain_t)
-      return fmt::format("Theta* {:.3f} is not below t = {:.3f}", split->theta, options_.gain_t);
-    return tryChildren(index, std::move(*split));
+  // Splits the nodes of a level, numbered from `first`; returns the parts of the next one.
+  std::vector<Part> nextLevel(int first, std::vector<Part> level) {
+    std::vector<Trial> trials(level.size());
+    parallelFor(level.size(), options_.threads, [&](std::size_t i) { trials[i] = trySplit(level[i]); });
+    first_of_level_ = static_cast<int>(tree_.nodes.size());
+    std::vector<Part> next;
+    for (std::size_t i = 0; i < level.size(); ++i) {
+      const int index = first + static_cast<int>(i);
+      tree_.nodes[index].stop_reason = decide(index, trials[i]);
+      if (tree_.nodes[index].stop_reason.empty()) {
+        for (Part& part : trials[i].parts) next.push_back(std::move(part));
+      } else {
+        leaves_of_.emplace_back(index, std::move(level[i].indices));
+      }
+    }
+    return next;
   }
 
-  std::string tooSmall(const BoxNode& node) const {
-    if (node.points.size() < static_cast<std::size_t>(options_.min_points)) {
-      return fmt::format("{} points are fewer than {}", node.points.size(), options_.min_points);
+  Trial trySplit(const Part& part) const {
+    Trial trial;
+    stop_.check();
+    trial.impossible = tooSmall(part);
+    if (!trial.impossible.empty()) return trial;
+    const PointCloud cloud_B = transformed(part.points_C, part.box.X_CB.inverse());
+    FaceProjections faces;
+    for (int axis = 0; axis < 3; ++axis) faces[axis] = projectionAlong(axis, part.box, cloud_B);
+    const std::optional<BestLine> best = bestLine(faces);
+    if (!best) {
+      trial.impossible =
+          "no cut between long segments of the hull leaves "
+          "enough points on both sides";
+      return trial;
     }
-    if (node.box.extents[1] < options_.min_extent_m)
-      return fmt::format("{:.1f} mm is thinner than a finger", 1e3 * node.box.extents[1]);
+    trial.theta = best->theta;
+    trial.cut = cutAlong(best->line, best->face, part.box);
+    if (trial.theta >= options_.gain_t) return trial;
+    trial.parts = divide(part, faces[best->face], best->line);
+    parallelFor(2, options_.threads, [&](std::size_t i) {
+      trial.parts[i].box = minVolumeBox(trial.parts[i].points_C, {}, stop_);
+    });
+    trial.volume = trial.parts[0].box.volume() + trial.parts[1].box.volume();
+    return trial;
+  }
+
+  std::string tooSmall(const Part& part) const {
+    if (part.indices.size() < static_cast<std::size_t>(options_.min_points))
+      return fmt::format("{} points are fewer than {}", part.indices.size(), options_.min_points);
+    if (part.box.extents[1] < options_.min_extent_m) {
+      return fmt::format(
+          "thinner than a finger: the second extent is {:.1f} "
+          "mm, below {:.1f} mm",
+          1e3 * part.box.extents[1], 1e3 * options_.min_extent_m);
+    }
     return {};
   }
 
-  std::optional<Split> bestSplit(const BoxNode& node) const {
-    FaceProjections faces;
-    parallelFor(faces.size(), options_.threads,
-                [&](std::size_t axis) { faces[axis] = projectNode(cloud_C_, node, static_cast<int>(axis)); });
-    const std::optional<BestLine> best = options_.split == SplitRule::hull
-                                             ? bestHullLine(faces, options_, stop_)
+  std::optional<BestLine> bestLine(const FaceProjections& faces) const {
+    return options_.split == SplitRule::hull ? bestHullLine(faces, options_, stop_)
                                              : bestBoundLine(faces, options_);
-    if (!best) return std::nullopt;
-    return splitBy(faces[best->face], best->line, best->theta, node.points);
   }
 
-  std::string tryChildren(int index, Split split) {
-    std::array<std::vector<std::uint32_t>, 2> points{std::move(split.first), std::move(split.second)};
-    std::array<BoxNode, 2> children;
-    parallelFor(2, options_.threads, [&](std::size_t i) {
-      children[i] = nodeOf(cloud_C_, std::move(points[i]), index, tree_.nodes[index].depth + 1, stop_);
-    });
-    const double before = tree_.nodes[index].box.volume(),
-                 after = children[0].box.volume() + children[1].box.volume();
-    tree_.nodes[index].volume_gain = after / before;
-    const double gain =
-        options_.gain == GainMeasure::local ? after / before : (volume_ - before + after) / volume_;
+  // Makes the split, or says why not.
+  std::string decide(int index, const Trial& trial) {
+    if (!trial.impossible.empty()) return trial.impossible;
+    BoxNode& node = tree_.nodes[index];
+    const int depth = node.depth + 1;
+    node.theta = trial.theta;
+    node.cut = trial.cut;
+    if (trial.theta >= options_.gain_t)
+      return fmt::format("Theta* {:.3f} is not below t = {:.3f}", trial.theta, options_.gain_t);
+    node.volume_gain = trial.volume / node.box.volume();
+    const double volume = volume_ - node.box.volume() + trial.volume;
+    const double gain = options_.gain == GainMeasure::local ? node.volume_gain : volume / volume_;
     if (gain >= options_.gain_t)
       return fmt::format("volume gain {:.3f} is not below t = {:.3f}", gain, options_.gain_t);
     if (leaves_ == options_.max_leaves) return fmt::format("there are {} boxes already", leaves_);
-    volume_ += after - before;
+    volume_ = volume;
     ++leaves_;
-    adopt(index, children);
+    node.first = static_cast<int>(tree_.nodes.size());
+    node.second = node.first + 1;
+    for (const Part& part : trial.parts) tree_.nodes.push_back(nodeOf(part.box, index, depth));
     return {};
   }
 
-  void adopt(int index, std::array<BoxNode, 2>& children) {
-    tree_.nodes[index].first = static_cast<int>(tree_.nodes.size());
-    tree_.nodes[index].second = tree_.nodes[index].first + 1;
-    for (BoxNode& child : children) tree_.nodes.push_back(std::move(child));
+  // Gives each point to its leaf and to all that are above it, in ascending order.
+  void givePoints() {
+    std::vector<int> leaf_of(cloud_C_.size());
+    for (const auto& [leaf, indices] : leaves_of_) {
+      for (const std::uint32_t index : indices) leaf_of[index] = leaf;
+    }
+    for (std::uint32_t i = 0; i < leaf_of.size(); ++i) {
+      for (int node = leaf_of[i]; node >= 0; node = tree_.nodes[node].parent)
+        tree_.nodes[node].points.push_back(i);
+    }
   }
 
   const PointCloud& cloud_C_;
   const DecompositionOptions& options_;
   const StopToken& stop_;
   BoxTree tree_;
-  double volume_ = 0.0;  // summed over the present leaves
+  std::vector<std::pair<int, std::vector<std::uint32_t>>> leaves_of_;
+  int first_of_level_ = 0;  // the first node of the next level
+  double volume_ = 0.0;     // summed over the present leaves
   int leaves_ = 1;
 };
 
@@ -133,6 +217,9 @@ void DecompositionOptions::validate() const {
   requireOption(min_extent_m >= 0, "min_extent_m", min_extent_m, "at least 0");
   requireOption(bound_step_m > 1e-6, "bound_step_m", bound_step_m, "above 1e-6");
   requireOption(max_leaves >= 1, "max_leaves", max_leaves, "at least 1");
+  requireOption(jurors >= 1 && jurors <= 99, "jurors", jurors, "in [1, 99]");
+  requireOption(resolution_fraction >= 0.005 && resolution_fraction <= 0.2, "resolution_fraction",
+                resolution_fraction, "in [0.005, 0.2]");
   requireOption(threads >= 0, "threads", threads, "at least 0");
 }
 
@@ -140,6 +227,7 @@ BoxTree decompose(const PointCloud& cloud_C, const DecompositionOptions& options
   options.validate();
   requireUsable(cloud_C);
   stop.check();
+  if (options.split == SplitRule::robust) return juryTree(cloud_C, options, stop);
   return TreeBuilder(cloud_C, options, stop).build();
 }
 

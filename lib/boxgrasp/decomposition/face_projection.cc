@@ -3,41 +3,41 @@
 #include <algorithm>
 #include <cmath>
 
+#include "boxgrasp/base/simd.h"
+
 namespace boxgrasp {
 
-FaceProjection projectNode(const PointCloud& cloud_C, const BoxNode& node, int axis) {
-  FaceProjection face;
-  const int i = (axis + 1) % 3, j = (axis + 2) % 3;
-  face.axis = axis;
-  face.area = node.box.extents[i] * node.box.extents[j];
-  face.origin_C = node.box.X_CB.translation();
-  face.x_C = node.box.X_CB.linear().col(i);
-  face.y_C = node.box.X_CB.linear().col(j);
-  face.x.reserve(node.points.size());
-  face.y.reserve(node.points.size());
-  for (const std::uint32_t index : node.points) {
-    const Vector3d p = cloud_C.point(index) - face.origin_C;
-    face.x.push_back(face.x_C.dot(p));
-    face.y.push_back(face.y_C.dot(p));
-  }
-  return face;
+namespace projection_passes {
+
+BOXGRASP_SIMD std::uint32_t countFirst(const float* x, const float* y, std::size_t n, float normal_x,
+                                       float normal_y, float offset) {
+  std::uint32_t count = 0;
+  for (std::size_t i = 0; i < n; ++i) count += normal_x * x[i] + normal_y * y[i] <= offset ? 1u : 0u;
+  return count;
 }
 
-Cut cutAlong(const FaceProjection& face, const Line& line) {
+}  // namespace projection_passes
+
+FaceProjection projectionAlong(int axis, const OrientedBox& box, const PointCloud& cloud_B) {
+  const std::array<std::span<const float>, 3> coordinates{cloud_B.x, cloud_B.y, cloud_B.z};
+  const int i = (axis + 1) % 3, j = (axis + 2) % 3;
+  return {axis, box.extents[i] * box.extents[j], coordinates[i], coordinates[j]};
+}
+
+Cut cutAlong(const Line& line, int axis, const OrientedBox& box) {
+  const Vector2d normal(line.normal_x, line.normal_y);  // a unit vector in single precision only
   Cut cut;
-  cut.axis = face.axis;
-  cut.normal_C = line.normal.x() * face.x_C + line.normal.y() * face.y_C;
-  cut.offset_m = line.offset + cut.normal_C.dot(face.origin_C);
+  cut.axis = axis;
+  cut.normal_C = (normal.x() * box.X_CB.linear().col((axis + 1) % 3) +
+                  normal.y() * box.X_CB.linear().col((axis + 2) % 3)) /
+                 normal.norm();
+  cut.offset_m = line.offset / normal.norm() + cut.normal_C.dot(box.X_CB.translation());
   return cut;
 }
 
-Split splitBy(const FaceProjection& face, const Line& line, double theta,
-              const std::vector<std::uint32_t>& points) {
-  Split split{theta, cutAlong(face, line), {}, {}};
-  for (std::size_t i = 0; i < face.size(); ++i) {
-    (line.normal.dot(face.point(i)) <= line.offset ? split.first : split.second).push_back(points[i]);
-  }
-  return split;
+std::size_t countFirst(const FaceProjection& face, const Line& line) {
+  return projection_passes::countFirst(face.x.data(), face.y.data(), face.size(), line.normal_x,
+                                       line.normal_y, line.offset);
 }
 
 std::size_t leastPoints(std::size_t points, double min_point_fraction) {

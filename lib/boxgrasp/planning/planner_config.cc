@@ -48,11 +48,13 @@ void read(Section section, CleanOptions& options) {
 
 void read(Section section, DecompositionOptions& options) {
   auto& [gain_t, split, gain, segment_fraction, samples_per_segment, merge_angle_rad, min_point_fraction,
-         min_points, min_extent_m, bound_step_m, max_leaves, exhaustive, threads] = options;
-  section("gain_t", gain_t)("split", split, {"hull", "bound"})("gain", gain, {"local", "sum"});
+         min_points, min_extent_m, bound_step_m, max_leaves, jurors, resolution_fraction, exhaustive,
+         threads] = options;
+  section("gain_t", gain_t)("split", split, {"hull", "bound", "robust"})("gain", gain, {"local", "sum"});
   section("segment_fraction", segment_fraction)("samples_per_segment", samples_per_segment);
   section("merge_angle_rad", merge_angle_rad)("bound_step_m", bound_step_m);
   section("min_point_fraction", min_point_fraction)("min_points", min_points)("min_extent_m", min_extent_m);
+  section("jurors", jurors)("resolution_fraction", resolution_fraction);
   section("max_leaves", max_leaves)("exhaustive", exhaustive)("threads", threads);
 }
 

@@ -12,20 +12,29 @@
 namespace boxgrasp {
 namespace {
 
-BoxNode rootOf(const PointCloud& cloud) {
-  BoxNode node;
-  node.box = minVolumeBox(cloud);
-  for (std::uint32_t i = 0; i < cloud.size(); ++i) node.points.push_back(i);
-  return node;
-}
+// A cloud seen from its box, with its three faces.
+struct Projected {
+  explicit Projected(const PointCloud& cloud_C)
+      : box(minVolumeBox(cloud_C)), cloud_B(transformed(cloud_C, box.X_CB.inverse())) {
+    for (int axis = 0; axis < 3; ++axis) faces[axis] = projectionAlong(axis, box, cloud_B);
+  }
+  Projected(const Projected&) = delete;  // faces look into cloud_B
 
-FaceProjections facesOf(const PointCloud& cloud) {
-  const BoxNode root = rootOf(cloud);
-  return {projectNode(cloud, root, 0), projectNode(cloud, root, 1), projectNode(cloud, root, 2)};
-}
+  OrientedBox box;
+  PointCloud cloud_B;
+  FaceProjections faces;
+};
 
 std::vector<Line> linesOn(const Polygon& hull, const DecompositionOptions& options = {}) {
-  return cutLines(cutFans(hull, options));
+  std::vector<Line> lines;
+  for (const CutLine& cut : cutLines(hull, options).lines) lines.push_back(cut.line);
+  return lines;
+}
+
+Vector2d normalOf(const Line& line) { return {line.normal_x, line.normal_y}; }
+
+bool isFirst(const Line& line, const Vector2d& p) {
+  return line.isFirst(static_cast<float>(p.x()), static_cast<float>(p.y()));
 }
 
 std::vector<Vector2d> pointsOf(const FaceProjection& face) {
@@ -73,7 +82,8 @@ double perimeterOf(Polygon polygon) {
 std::vector<Polygon> hullsOf(const std::vector<test::NamedCloud>& shapes) {
   std::vector<Polygon> hulls;
   for (const auto& [name, cloud] : shapes) {
-    for (const FaceProjection& face : facesOf(cloud)) hulls.push_back(convexHull(pointsOf(face)));
+    const Projected projected(cloud);
+    for (const FaceProjection& face : projected.faces) hulls.push_back(convexHull(pointsOf(face)));
   }
   return hulls;
 }
@@ -136,8 +146,8 @@ TEST(CutLines, JoinEverySampleOfEveryPairOfSegments) {
 TEST(CutLines, PartTheHull) {
   for (const Polygon& hull : hullsOf(test::allShapes(500))) {
     for (const Line& line : linesOn(hull)) {
-      EXPECT_NEAR(line.normal.norm(), 1.0, 1e-12);
-      const auto before = [&](const Vector2d& p) { return line.normal.dot(p) <= line.offset; };
+      EXPECT_NEAR(normalOf(line).norm(), 1.0, 1e-6);
+      const auto before = [&](const Vector2d& p) { return isFirst(line, p); };
       EXPECT_TRUE(std::any_of(hull.begin(), hull.end(), before));
       EXPECT_FALSE(std::all_of(hull.begin(), hull.end(), before));
     }
@@ -145,43 +155,48 @@ TEST(CutLines, PartTheHull) {
 }
 
 // Eq. 1, written down anew.
-std::optional<double> thetaOf(const FaceProjection& face, const Line& line, std::size_t least) {
+double thetaOf(const FaceProjection& face, const Line& line) {
   std::vector<Vector2d> p1, p2;
-  for (const Vector2d& p : pointsOf(face)) (line.normal.dot(p) <= line.offset ? p1 : p2).push_back(p);
-  if (p1.size() < least || p2.size() < least) return std::nullopt;
+  for (const Vector2d& p : pointsOf(face)) (isFirst(line, p) ? p1 : p2).push_back(p);
   return (signedArea(convexHull(p1)) + signedArea(convexHull(p2))) / face.area;
 }
 
+std::size_t fewerSide(const FaceProjection& face, const Line& line) {
+  const std::vector<Vector2d> points = pointsOf(face);
+  const auto first = static_cast<std::size_t>(
+      std::count_if(points.begin(), points.end(), [&](const Vector2d& p) { return isFirst(line, p); }));
+  EXPECT_EQ(countFirst(face, line), first);
+  return std::min(first, points.size() - first);
+}
+
 TEST(BestHullLine, HasTheLeastThetaOfAllLines) {
+  DecompositionOptions options;
+  options.gain_t = 1.0;
   for (const auto& [name, cloud] : test::allShapes(800)) {
     SCOPED_TRACE(name);
-    const FaceProjections faces = facesOf(cloud);
-    const std::size_t least = leastPoints(cloud.size(), DecompositionOptions{}.min_point_fraction);
-    double smallest = std::numeric_limits<double>::infinity();
-    for (const FaceProjection& face : faces) {
+    const Projected projected(cloud);
+    const std::size_t least = leastPoints(cloud.size(), options.min_point_fraction);
+    double smallest = options.gain_t;
+    for (const FaceProjection& face : projected.faces) {
       for (const Line& line : linesOn(convexHull(pointsOf(face)))) {
-        const std::optional<double> theta = thetaOf(face, line, least);
-        EXPECT_EQ(theta, plainTheta(face, line, least));
-        if (theta) smallest = std::min(smallest, *theta);
+        const double theta = thetaOf(face, line);
+        EXPECT_EQ(theta, plainTheta(face, line));
+        if (fewerSide(face, line) >= least) smallest = std::min(smallest, theta);
       }
     }
-    const std::optional<BestLine> best = bestHullLine(faces, {}, {});
-    ASSERT_EQ(best.has_value(), std::isfinite(smallest));
+    const std::optional<BestLine> best = bestHullLine(projected.faces, options, {});
+    ASSERT_EQ(best.has_value(), smallest < options.gain_t);
     if (!best) continue;
     EXPECT_NEAR(best->theta, smallest, 1e-9);
-    EXPECT_NEAR(*thetaOf(faces[best->face], best->line, least), smallest, 1e-9);
+    EXPECT_NEAR(thetaOf(projected.faces[best->face], best->line), smallest, 1e-9);
   }
 }
 
 TEST(PlainTheta, LeavesOutTheStripBetweenTheSides) {
-  FaceProjection face;
-  face.area = 1.0;
-  for (const double x : {0.0, 0.25, 0.5, 0.75, 1.0}) {
-    for (const double y : {0.0, 1.0}) face.x.push_back(x), face.y.push_back(y);
-  }
-  const Line middle{{1, 0}, 0.4};
-  EXPECT_NEAR(*plainTheta(face, middle, 1), 0.75, 1e-12) << "all but the strip between the points";
-  EXPECT_EQ(plainTheta(face, middle, 5), std::nullopt) << "four points are before the line";
+  const std::vector<float> x{0, 0, 0.25, 0.25, 0.5, 0.5, 0.75, 0.75, 1, 1}, y{0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+  const FaceProjection face{0, 1.0, x, y};
+  EXPECT_NEAR(plainTheta(face, {1, 0, 0.4f}), 0.75, 1e-12) << "all but the strip between the points";
+  EXPECT_EQ(countFirst(face, {1, 0, 0.4f}), 4u);
 }
 
 // Alg. II.2, written down anew: for every position x, the bounding rectangles of both sides.
@@ -201,10 +216,11 @@ double leastBoundTheta(const FaceProjections& faces, double step, std::size_t le
   double best = std::numeric_limits<double>::infinity();
   for (const FaceProjection& face : faces) {
     for (const int direction : {0, 1}) {
-      const std::vector<double>& along = direction == 0 ? face.x : face.y;
+      const std::span<const float> along = direction == 0 ? face.x : face.y;
       const auto [low, high] = std::minmax_element(along.begin(), along.end());
-      for (int k = 0; *low + k * step < *high; ++k)
-        best = std::min(best, boundTheta(face, direction, *low + k * step, least));
+      const double start = *low;
+      for (int k = 0; start + k * step < *high; ++k)
+        best = std::min(best, boundTheta(face, direction, start + k * step, least));
     }
   }
   return best;
@@ -213,14 +229,15 @@ double leastBoundTheta(const FaceProjections& faces, double step, std::size_t le
 TEST(BestBoundLine, HasTheLeastSumOfBoundingRectangles) {
   for (const auto& [name, cloud] : test::allShapes(400)) {
     SCOPED_TRACE(name);
-    const FaceProjections faces = facesOf(cloud);
+    const Projected projected(cloud);
+    const FaceProjections& faces = projected.faces;
     const DecompositionOptions options;
     const std::size_t least = leastPoints(cloud.size(), options.min_point_fraction);
     const std::optional<BestLine> best = bestBoundLine(faces, options);
     ASSERT_TRUE(best.has_value());
     EXPECT_NEAR(best->theta, leastBoundTheta(faces, options.bound_step_m, least), 1e-9);
-    const int direction = best->line.normal.x() == 1.0 ? 0 : 1;
-    EXPECT_EQ(best->line.normal, Vector2d::Unit(direction)) << "the line is parallel to an edge";
+    const int direction = best->line.normal_x == 1.0f ? 0 : 1;
+    EXPECT_EQ(normalOf(best->line), Vector2d::Unit(direction)) << "the line is parallel to an edge";
     EXPECT_NEAR(best->theta, boundTheta(faces[best->face], direction, best->line.offset, least), 1e-9);
   }
 }
@@ -229,24 +246,20 @@ TEST(BestBoundLine, HasTheLeastSumOfBoundingRectangles) {
 // Whether the cut is made rests with Alg. II.1's volume test as well, which halves of a U that are L's as
 // tall as the U do not pass.
 TEST(Splits, OnlyTheHullRuleSeesTheHollowOfAU) {
-  const FaceProjections faces = facesOf(test::letterU(4000));
-  EXPECT_GT(bestBoundLine(faces, {})->theta, 0.95);
-  EXPECT_LT(bestHullLine(faces, {}, {})->theta, 0.8);
+  const Projected projected(test::letterU(4000));
+  EXPECT_GT(bestBoundLine(projected.faces, {})->theta, 0.95);
+  EXPECT_LT(bestHullLine(projected.faces, {}, {})->theta, 0.8);
 }
 
 TEST(Splits, NeedEnoughPointsOnBothSides) {
-  const FaceProjections faces = facesOf(test::letterL(200));
+  const Projected projected(test::letterL(200));
   DecompositionOptions options;
   options.min_point_fraction = 0.49;
-  const auto expectFair = [&](const std::optional<BestLine>& best) {
-    if (!best) return;
-    std::size_t first = 0;
-    for (const Vector2d& p : pointsOf(faces[best->face]))
-      first += best->line.normal.dot(p) <= best->line.offset;
-    EXPECT_GE(std::min(first, 200 - first), 98u);
-  };
-  expectFair(bestHullLine(faces, options, {}));
-  expectFair(bestBoundLine(faces, options));
+  for (const auto& best :
+       {bestHullLine(projected.faces, options, {}), bestBoundLine(projected.faces, options)}) {
+    if (!best) continue;
+    EXPECT_GE(fewerSide(projected.faces[best->face], best->line), 98u);
+  }
 }
 
 TEST(LeastPoints, RoundsUpAndIsNeverZero) {
@@ -255,18 +268,19 @@ TEST(LeastPoints, RoundsUpAndIsNeverZero) {
   EXPECT_EQ(leastPoints(10, 0.0), 1u);
 }
 
-TEST(SplitBy, AgreesWithItsCutInSpace) {
+TEST(CutAlong, PartsSpaceAsItsLinePartsTheFace) {
   const PointCloud cloud = test::mug(500);
-  const BoxNode root = rootOf(cloud);
+  const Projected projected(cloud);
+  const Line line{0.6f, 0.8f, 0.003f};
   for (int axis = 0; axis < 3; ++axis) {
-    const FaceProjection face = projectNode(cloud, root, axis);
-    const Split split = splitBy(face, {Vector2d(0.6, 0.8), 0.003}, 0.5, root.points);
-    EXPECT_EQ(split.cut.axis, axis);
-    EXPECT_EQ(split.first.size() + split.second.size(), cloud.size());
-    for (const std::uint32_t p : split.first)
-      EXPECT_LE(split.cut.normal_C.dot(cloud.point(p)), split.cut.offset_m + 1e-12);
-    for (const std::uint32_t p : split.second)
-      EXPECT_GT(split.cut.normal_C.dot(cloud.point(p)), split.cut.offset_m - 1e-12);
+    const Cut cut = cutAlong(line, axis, projected.box);
+    EXPECT_EQ(cut.axis, axis);
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      const double beyond = cut.normal_C.dot(cloud.point(i)) - cut.offset_m;
+      const FaceProjection& face = projected.faces[axis];
+      if (std::abs(beyond) < 1e-7) continue;
+      EXPECT_EQ(line.isFirst(face.x[i], face.y[i]), beyond < 0);
+    }
   }
 }
 
