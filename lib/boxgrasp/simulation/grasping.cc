@@ -136,8 +136,10 @@ bool Grasping::approach() {
     if (!part) continue;
     result_.touched = part->name;
     result_.stopped_short_m = left_m;
-    if (!options_.back_up_on_touch) return ends(TrialOutcome::collided);
-    result_.stopped_short_m += options_.back_up_m;
+    if (options_.back_up_on_touch)
+      result_.stopped_short_m += options_.back_up_m;
+    else if (left_m > options_.touch_short_m)
+      return ends(TrialOutcome::collided);
     break;
   }
   X_WP_ = backedUp(input_.X_OP, result_.stopped_short_m);
@@ -147,7 +149,7 @@ bool Grasping::approach() {
 bool Grasping::rest(double time_s, const Vector3d& force_W) {
   for (double t = 0; t < time_s; t += scene_->stepSize()) {
     step(X_WP_, force_W);
-    if (movedBeyond(options_.lost_m)) return false;
+    if (lost()) return false;
   }
   return true;
 }
@@ -232,7 +234,7 @@ bool Grasping::carry(const PalmMotion& motion) {
   const Pose X_WP_start = X_WP_;
   for (double t = scene_->stepSize(); t < motion.time_s; t += scene_->stepSize()) {
     step(X_WP_ = motion.pose(X_WP_start, t), weight_W());
-    if (movedBeyond(options_.lost_m)) return false;
+    if (lost()) return false;
   }
   X_WP_ = motion.pose(X_WP_start, motion.time_s);
   return true;

@@ -22,7 +22,7 @@ class Grasping {
   // One step with the palm where it is to stay, or in X_WP, and this force on the object.
   void step(const Vector3d& force_W) { step(X_WP_, force_W); }
   void step(const Pose& X_WP, const Vector3d& force_W);
-  // Steps for this long, or until the object has moved beyond options.lost_m in the palm: then false.
+  // Steps for this long, or until the object is lost, as the phase has it: then false.
   bool rest(double time_s, const Vector3d& force_W);
   // Moves the palm as the motion says, starting from where it is to stay, which then is where the motion
   // ended; under the object's weight. False as for rest().
@@ -34,6 +34,11 @@ class Grasping {
   double rotation() const;  // radians
   // Not a number counts as moved: whatever the physics could not solve is not held.
   bool movedBeyond(double limit_m) const { return !(slip() <= limit_m); }
+
+  // The object has moved farther than the options allow in this phase.
+  bool lost() const {
+    return movedBeyond(phase_ < TrialPhase::lift ? options_.lost_m : options_.slip_limit_m);
+  }
 
   Vector3d weight_W() const;
   double mass() const;  // kg

@@ -19,6 +19,7 @@ bool lift(Grasping& grasping, const TrialInput& input, const TrialOptions& optio
 
 bool shake(Grasping& grasping, const TrialOptions& options) {
   grasping.enter(TrialPhase::shake);
+  grasping.mark();
   const Shake how{options.shake_frequency_hz, options.shake_periods};
   for (int axis = 0; axis < 3; ++axis) {
     const Vector3d unit_P = Vector3d::Unit(axis);
@@ -100,6 +101,7 @@ void TrialOptions::validate() const {
   positive("sweep_step_m", sweep_step_m);
   positive("close_time_s", close_time_s);
   positive("lost_m", lost_m);
+  positive("slip_limit_m", slip_limit_m);
   positive("lift_acceleration_m_s2", lift_acceleration_m_s2);
   positive("shake_frequency_hz", shake_frequency_hz);
   positive("push_rate_n_s", push_rate_n_s);
@@ -107,6 +109,7 @@ void TrialOptions::validate() const {
   notNegative("gravity_m_s2", gravity_m_s2);
   notNegative("touch_depth_m", touch_depth_m);
   notNegative("back_up_m", back_up_m);
+  notNegative("touch_short_m", touch_short_m);
   notNegative("support_friction", support_friction);
   positive("settle_time_s", settle_time_s);
   positive("still_m", still_m);

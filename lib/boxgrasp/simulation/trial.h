@@ -30,6 +30,7 @@ struct TrialOptions {
       false;  // a hand that touches backs up and closes there, as approach-and-close planners
               // do (paper, ref. 11); otherwise it has collided and the trial is over
   double back_up_m = 0.010;
+  double touch_short_m = 0.010;  // with no more than this left to go, the hand stops at the touch and closes
 
   // Closing, without gravity. First each finger closes until it touches the object, which is fixed meanwhile
   // as in the paper's simulator; then all press together, and the object gives way as if it stood on a table
@@ -45,9 +46,10 @@ struct TrialOptions {
   WrenchNorm norm = WrenchNorm::l1;  // of epsilon and nu
   int cone_edges = 8;
 
-  // Lost: the centre of mass has moved this far in the palm's frame, in closing or in one of the stages after
-  // it.
+  // Lost: the centre of mass has moved this far in the palm's frame. While the hand closes it may draw the
+  // object in; a closed hand in which it slips farther than this has no sure hold of it.
   double lost_m = 0.05;
+  double slip_limit_m = 0.025;  // in lift and shake, each from its beginning
   double lift_height_m = 0.2;
   double lift_acceleration_m_s2 = 0.5;
   double wait_time_s = 0.3;

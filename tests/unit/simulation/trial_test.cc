@@ -240,6 +240,18 @@ TEST(Trial, TouchOnTheWayIsACollision) {
   EXPECT_THAT(result.report, HasSubstr("thumb knuckle touched"));
 }
 
+TEST(Trial, TouchInTheLastMillimetresIsNoCollision) {
+  // The palm is to end where its thumb's knuckle is 4 mm deep in the ball.
+  TrialOptions options = closingOnly();
+  const double deep_m = 0.004;
+  const TrialInput input = fromAbove(0.02 + kKnuckleShort - deep_m, 0.0);
+  const TrialResult stopped = runTrial(barrettHand(), ball(), input, options);
+  EXPECT_NE(stopped.outcome, TrialOutcome::collided) << stopped.report;
+  EXPECT_NEAR(stopped.stopped_short_m, deep_m, 0.002);
+  options.touch_short_m = deep_m / 2;
+  EXPECT_EQ(runTrial(barrettHand(), ball(), input, options).outcome, TrialOutcome::collided);
+}
+
 TEST(Trial, HandThatBacksUpFromATouchClosesThere) {
   TrialOptions options = closingOnly();
   options.back_up_on_touch = true;
