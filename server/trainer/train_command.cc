@@ -198,7 +198,7 @@ void runTrain(const TrainCommand& command, const std::string& command_line) {
   const auto [kept, held] =
       heldOut(data, validation.objects[command.seed % validation.objects.size()].object);
   Model model = modelOf(command, command_line, data, validation);
-  model.network = train(kept, held, training).network;
+  model.ensemble.networks = {train(kept, held, training).network};
   model = writeModel(model, command.out);
   if (command.json) {
     fmt::print(

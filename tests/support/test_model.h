@@ -14,7 +14,7 @@ inline Model linearModel() {
   model.name = "test";
   model.version = "00000000";
   for (int q = 1; q <= 9; ++q) model.features.push_back(fmt::format("q{}", q));
-  Network& network = model.network;
+  Network& network = model.ensemble.networks.emplace_back();
   network.input.min = VectorXd::Zero(9);
   network.input.max = (VectorXd(9) << 5e-3, 1.0, 1.0, 0.1, 1.5, 0.1, 0.05, 1e-3, 0.1).finished();
   network.output.min = VectorXd::Zero(1);

@@ -19,7 +19,8 @@ void rank(const Model& model, PlanResult& result, Tally& tally) {
   if (result.grasps.empty()) return;
   for (Grasp& grasp : result.grasps) {
     const double size_m = objectSize(result.objects[grasp.object]);
-    grasp.score = score(model.network, networkInputs(model.features, grasp.quality, size_m));
+    const VectorXd inputs = networkInputs(model.features, grasp.quality, size_m);
+    grasp.score = scores(model.ensemble, inputs.transpose())[0];
   }
   std::stable_sort(result.grasps.begin(), result.grasps.end(),
                    [](const Grasp& a, const Grasp& b) { return a.score > b.score; });
@@ -102,10 +103,10 @@ void PlannerOptions::validate() const {
 GraspPlanner::GraspPlanner(HandDescription hand, Model model, PlannerOptions options)
     : hand_(std::move(hand)), model_(std::move(model)), options_(std::move(options)) {
   options_.validate();
-  model_.network.validate();
+  model_.ensemble.validate();
   const auto features = static_cast<int>(model_.features.size());
-  requireOption(model_.network.inputs() == features, "the model's number of inputs", model_.network.inputs(),
-                "that of its features");
+  requireOption(model_.ensemble.inputs() == features, "the model's number of inputs",
+                model_.ensemble.inputs(), "that of its features");
   networkInputs(model_.features, QualityMeasures{}, 1.0);
 }
 

@@ -22,7 +22,7 @@ using nlohmann::json;
 
 constexpr const char* kFormat = "boxgrasp-model";
 constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{32} << 20;
-constexpr int kMaxDepth = 8;  // of nested arrays and objects; a model has 5
+constexpr int kMaxDepth = 8;  // of nested arrays and objects; a model has 6
 constexpr const char* kRemedy = "restore the file or train the model again";
 
 // --- to JSON
@@ -45,6 +45,18 @@ json toJson(const Network& network) {
   return {{"input", toJson(network.input)}, {"output", toJson(network.output)}, {"layers", layers}};
 }
 
+json toJson(const std::vector<Network>& networks) {
+  json list = json::array();
+  for (const Network& network : networks) list.push_back(toJson(network));
+  return list;
+}
+
+// null: none.
+json toJson(const std::optional<Calibration>& calibration) {
+  if (!calibration) return nullptr;
+  return {{"slope", calibration->slope}, {"offset", calibration->offset}};
+}
+
 json contentOf(const Model& model) {
   return {{"format", kFormat},
           {"format_version", Model::kFormatVersion},
@@ -56,7 +68,8 @@ json contentOf(const Model& model) {
           {"created", model.created},
           {"features", model.features},
           {"metrics", model.metrics},
-          {"network", toJson(model.network)}};
+          {"networks", toJson(model.ensemble.networks)},
+          {"calibration", toJson(model.ensemble.calibration)}};
 }
 
 // --- from JSON
@@ -95,6 +108,8 @@ class Node {
     }
     return nodes;
   }
+
+  bool isNull() const { return value_.is_null(); }
 
   std::string text() const {
     if (!value_.is_string()) fail(fmt::format("must be a string, but is {}", value_.type_name()));
@@ -161,6 +176,12 @@ Network networkFrom(const Node& node) {
   return network;
 }
 
+std::optional<Calibration> calibrationFrom(const Node& node) {
+  if (node.isNull()) return std::nullopt;
+  node.requireKeys({"slope", "offset"});
+  return Calibration{node.at("slope").number(), node.at("offset").number()};
+}
+
 // Before anything else, so that a file of a later format is told apart from a damaged one.
 void checkFormat(const json& content, const Node& root) {
   if (!content.is_object() || content.value("format", json()) != json(kFormat)) {
@@ -170,13 +191,13 @@ void checkFormat(const json& content, const Node& root) {
   const std::uint64_t version = root.at("format_version").natural();
   if (version != Model::kFormatVersion) {
     root.at("format_version")
-        .fail(fmt::format("is {}, but this program knows {}", version, Model::kFormatVersion));
+        .fail(fmt::format("is {}, but this program knows {} alone", version, Model::kFormatVersion));
   }
 }
 
 Model modelFrom(const Node& root) {
   root.requireKeys({"format", "format_version", "version", "name", "trained_on", "command", "data_hash",
-                    "seed", "created", "features", "metrics", "network"});
+                    "seed", "created", "features", "metrics", "networks", "calibration"});
   Model model;
   model.version = root.at("version").text();
   model.name = root.at("name").text();
@@ -188,7 +209,9 @@ Model modelFrom(const Node& root) {
   for (const Node& feature : root.at("features").items(Network::kMaxNodes))
     model.features.push_back(feature.text());
   model.metrics = root.at("metrics").numbersByName();
-  model.network = networkFrom(root.at("network"));
+  for (const Node& network : root.at("networks").items(Ensemble::kMaxNetworks))
+    model.ensemble.networks.push_back(networkFrom(network));
+  model.ensemble.calibration = calibrationFrom(root.at("calibration"));
   return model;
 }
 
@@ -213,13 +236,13 @@ void checkModel(const Model& model, const std::string& file) {
     throw InputError(fmt::format("model file '{}': {}", file, what));
   };
   try {
-    model.network.validate();
+    model.ensemble.validate();
   } catch (const InputError& error) {
     fail(error.what());
   }
-  if (model.features.size() != static_cast<std::size_t>(model.network.inputs())) {
+  if (model.features.size() != static_cast<std::size_t>(model.ensemble.inputs())) {
     fail(fmt::format("key 'features' has {} names for {} inputs; {}", model.features.size(),
-                     model.network.inputs(), kRemedy));
+                     model.ensemble.inputs(), kRemedy));
   }
   for (const auto& [name, value] : model.metrics) {
     if (!std::isfinite(value))

@@ -8,12 +8,12 @@
 #include <string_view>
 #include <vector>
 
-#include "boxgrasp/ranking/network.h"
+#include "boxgrasp/ranking/ensemble.h"
 
 namespace boxgrasp {
 
 struct Model {
-  static constexpr int kFormatVersion = 1;
+  static constexpr int kFormatVersion = 2;
   std::string version;     // "<8 hex digits of the content's BLAKE2b hash>", set by writeModel and readModel
   std::string name;        // e.g. "analytic-s"
   std::string trained_on;  // in words: labels, objects, what they are not
@@ -21,9 +21,9 @@ struct Model {
   std::string data_hash;   // BLAKE2b of the training data, hex
   std::uint64_t seed = 0;
   std::string created;                    // ISO 8601, UTC
-  std::vector<std::string> features;      // names of the inputs in order: q1 .. q9
+  std::vector<std::string> features;      // names of the inputs in order, e.g. q1 .. q9
   std::map<std::string, double> metrics;  // e.g. "s_net", "s_net_fraction"
-  Network network;
+  Ensemble ensemble;
 };
 
 // Reads and checks a model file (JSON, at most 32 MiB). Throws InputError naming the file, the key and what

@@ -41,7 +41,8 @@ Model sample(const std::vector<int>& widths = {2, 2}) {
   model.data_hash = blake2bHex("data");
   model.seed = std::numeric_limits<std::uint64_t>::max();
   model.created = "2026-01-02T03:04:05Z";
-  model.network = test::randomNetwork(widths, 11);
+  model.ensemble.networks = {test::randomNetwork(widths, 11), test::randomNetwork(widths, 12)};
+  model.ensemble.calibration = {2.5, -0.1};
   for (int i = 0; i < widths.front(); ++i) model.features.push_back(fmt::format("q{}", i + 1));
   model.metrics = {{"s_net", 0.078}, {"s_net_fraction", 0.61}};
   return model;
@@ -75,6 +76,18 @@ bool sameBits(const A& a, const B& b) {
          std::memcmp(a.data(), b.data(), sizeof(double) * static_cast<std::size_t>(a.size())) == 0;
 }
 
+void expectSame(const Network& a, const Network& b) {
+  for (const auto n : {&Network::input, &Network::output}) {
+    EXPECT_TRUE(sameBits((a.*n).min, (b.*n).min));
+    EXPECT_TRUE(sameBits((a.*n).max, (b.*n).max));
+  }
+  ASSERT_EQ(a.layers.size(), b.layers.size());
+  for (std::size_t l = 0; l < a.layers.size(); ++l) {
+    EXPECT_TRUE(sameBits(a.layers[l].weights, b.layers[l].weights)) << "layer " << l;
+    EXPECT_TRUE(sameBits(a.layers[l].bias, b.layers[l].bias)) << "layer " << l;
+  }
+}
+
 void expectSame(const Model& a, const Model& b) {
   EXPECT_EQ(a.version, b.version);
   EXPECT_EQ(a.name, b.name);
@@ -85,15 +98,13 @@ void expectSame(const Model& a, const Model& b) {
   EXPECT_EQ(a.created, b.created);
   EXPECT_EQ(a.features, b.features);
   EXPECT_EQ(a.metrics, b.metrics);
-  for (const auto n : {&Network::input, &Network::output}) {
-    EXPECT_TRUE(sameBits((a.network.*n).min, (b.network.*n).min));
-    EXPECT_TRUE(sameBits((a.network.*n).max, (b.network.*n).max));
-  }
-  ASSERT_EQ(a.network.layers.size(), b.network.layers.size());
-  for (std::size_t l = 0; l < a.network.layers.size(); ++l) {
-    EXPECT_TRUE(sameBits(a.network.layers[l].weights, b.network.layers[l].weights)) << "layer " << l;
-    EXPECT_TRUE(sameBits(a.network.layers[l].bias, b.network.layers[l].bias)) << "layer " << l;
-  }
+  ASSERT_EQ(a.ensemble.networks.size(), b.ensemble.networks.size());
+  for (std::size_t i = 0; i < a.ensemble.networks.size(); ++i)
+    expectSame(a.ensemble.networks[i], b.ensemble.networks[i]);
+  ASSERT_EQ(a.ensemble.calibration.has_value(), b.ensemble.calibration.has_value());
+  if (!a.ensemble.calibration) return;
+  EXPECT_EQ(a.ensemble.calibration->slope, b.ensemble.calibration->slope);
+  EXPECT_EQ(a.ensemble.calibration->offset, b.ensemble.calibration->offset);
 }
 
 TEST_F(ModelFile, ReadsBackToTheBit) {
@@ -104,13 +115,21 @@ TEST_F(ModelFile, ReadsBackToTheBit) {
   }
 }
 
+TEST_F(ModelFile, ReadsBackAModelWithoutCalibration) {
+  Model model = sample();
+  model.ensemble.calibration.reset();
+  const Model written = writeModel(model, path());
+  expectSame(readModel(path()), written);
+  EXPECT_NE(written.version, modelVersion(sample())) << "the calibration is content";
+}
+
 TEST_F(ModelFile, KeepsExtremeNumbersToTheBit) {
   Model model = sample();
-  auto& weights = model.network.layers[0].weights;
+  auto& weights = model.ensemble.networks[0].layers[0].weights;
   weights << -0.0, std::numeric_limits<double>::denorm_min(), std::numeric_limits<double>::max(), 0.1 + 0.2;
   const Model written = writeModel(model, path());
   expectSame(readModel(path()), written);
-  EXPECT_TRUE(std::signbit(readModel(path()).network.layers[0].weights(0, 0)));
+  EXPECT_TRUE(std::signbit(readModel(path()).ensemble.networks[0].layers[0].weights(0, 0)));
 }
 
 TEST_F(ModelFile, HasTheVersionOfItsContent) {
@@ -118,7 +137,8 @@ TEST_F(ModelFile, HasTheVersionOfItsContent) {
   EXPECT_THAT(written.version, ::testing::MatchesRegex("[0-9a-f]{8}"));
   EXPECT_EQ(written.version, modelVersion(sample()));
   Model other = sample();
-  other.network.layers[0].bias[0] = std::nextafter(other.network.layers[0].bias[0], 1e9);
+  other.ensemble.networks[0].layers[0].bias[0] =
+      std::nextafter(other.ensemble.networks[0].layers[0].bias[0], 1e9);
   EXPECT_NE(modelVersion(other), written.version) << "the last bit of a weight is content";
   other = written;
   other.version = "whatever";
@@ -168,15 +188,15 @@ TEST_F(ModelFile, NamesFileAndKeyOfWhatIsWrong) {
   };
   EXPECT_EQ(errorOf(text), "accepted");
   EXPECT_THAT(
-      error("\"format_version\": 1", "\"format_version\": 2"),
-      AllOf(HasSubstr("somewhere.json"), HasSubstr("'format_version' is 2, but this program knows 1")));
-  EXPECT_THAT(error("\"format_version\": 1", "\"format_version\": -1"), HasSubstr("format_version"));
+      error("\"format_version\": 2", "\"format_version\": 1"),
+      AllOf(HasSubstr("somewhere.json"), HasSubstr("'format_version' is 1, but this program knows 2")));
+  EXPECT_THAT(error("\"format_version\": 2", "\"format_version\": -1"), HasSubstr("format_version"));
   EXPECT_THAT(error("\"format_version\"", "\"formatversion\""), HasSubstr("lacks the key 'format_version'"));
   EXPECT_THAT(error("boxgrasp-model", "boxgrasp-other"), HasSubstr("is not a model"));
   EXPECT_THAT(error("\"seed\": ", "\"seed\": -"), HasSubstr("seed"));
   EXPECT_THAT(error("\"trained_on\"", "\"trained-on\""), HasSubstr("lacks the key 'trained_on'"));
   EXPECT_THAT(error("\"bias\"", "\"extra\": 1, \"bias\""),
-              HasSubstr("'network.layers[0]' has the unknown key 'extra'"));
+              HasSubstr("'networks[0].layers[0]' has the unknown key 'extra'"));
   EXPECT_THAT(error("\"s_net\": 0.078", "\"s_net\": \"high\""),
               HasSubstr("'metrics.s_net' must be a number, but is string"));
   EXPECT_THAT(error("\"s_net\": 0.078", "\"s_net\": 0.079"), HasSubstr("it was changed"));
@@ -184,7 +204,7 @@ TEST_F(ModelFile, NamesFileAndKeyOfWhatIsWrong) {
   EXPECT_THAT(error("\"s_net\": 0.078", "\"s_net\": NaN"), HasSubstr("not valid JSON"));
   EXPECT_THAT(error("\"q1\",", ""), HasSubstr("'features' has 1 names for 2 inputs"));
   EXPECT_THAT(error("\"weights\": [\n", "\"weights\": [[1.0],\n"),
-              HasSubstr("'network.layers[0].weights[1]' has 2 entries"));
+              HasSubstr("'networks[0].layers[0].weights[1]' has 2 entries"));
   EXPECT_THAT(error("\"weights\": [\n", "\"weights\": [null,\n"), HasSubstr("must be an array, but is null"));
 }
 
@@ -195,14 +215,14 @@ TEST(ModelText, RefusesHostileContent) {
   EXPECT_THAT(errorOf("{}"), HasSubstr("is not a model"));
   EXPECT_THAT(errorOf(std::string(1'000'000, '[')), HasSubstr("nested deeper"));
   EXPECT_THAT(errorOf(std::string("\0\0\0", 3)), HasSubstr("not valid JSON"));
-  EXPECT_THAT(errorOf("{\"format\":\"boxgrasp-model\",\"format_version\":1}"), HasSubstr("lacks the key"));
+  EXPECT_THAT(errorOf("{\"format\":\"boxgrasp-model\",\"format_version\":2}"), HasSubstr("lacks the key"));
 }
 
 std::string withLayers(const std::string& layers) {
-  return R"({"format":"boxgrasp-model","format_version":1,"version":"0","name":"","trained_on":"","command":"",)"
-         R"("data_hash":"","seed":0,"created":"","features":["a"],"metrics":{},"network":{"input":{"min":[0],"max":[1]},)"
+  return R"({"format":"boxgrasp-model","format_version":2,"version":"0","name":"","trained_on":"","command":"",)"
+         R"("data_hash":"","seed":0,"created":"","features":["a"],"metrics":{},"calibration":null,"networks":[{"input":{"min":[0],"max":[1]},)"
          R"("output":{"min":[0],"max":[1]},"layers":)" +
-         layers + "}}";
+         layers + "}]}";
 }
 
 TEST(ModelText, RefusesImpossibleSizes) {
@@ -213,11 +233,11 @@ TEST(ModelText, RefusesImpossibleSizes) {
   EXPECT_THAT(errorOf(withLayers("[" + layer + "]")), HasSubstr("it was changed"))
       << "sizes are fine, only the version is not";
   EXPECT_THAT(errorOf(withLayers("[" + nine + "]")),
-              HasSubstr("'network.layers' has 9 entries, but at most 8"));
+              HasSubstr("'networks[0].layers' has 9 entries, but at most 8"));
   EXPECT_THAT(errorOf(withLayers(R"([{"weights":[[1]],"bias":[)" + wide + "]}]")), HasSubstr("at most 1024"));
   EXPECT_THAT(errorOf(withLayers(R"([{"weights":[)" + wide + R"(],"bias":[0]}])")),
               HasSubstr("at most 1024"));
-  EXPECT_THAT(errorOf(withLayers("[]")), HasSubstr("layers are 0"));
+  EXPECT_THAT(errorOf(withLayers("[]")), HasSubstr("networks[0]: network: layers are 0"));
   EXPECT_THAT(errorOf(withLayers(R"([{"weights":[],"bias":[]}])")), HasSubstr("layers[0] takes 0 inputs"));
   EXPECT_THAT(errorOf(withLayers(R"([{"weights":[[]],"bias":[0]}])")), HasSubstr("layers[0] takes 0 inputs"));
   EXPECT_THAT(errorOf(withLayers(R"([{"weights":[[1]],"bias":[0,0]}])")),
@@ -235,7 +255,16 @@ TEST_F(ModelFile, RefusesToReadWhatIsNotAFile) {
 
 TEST_F(ModelFile, RefusesToWriteWhatCouldNotBeRead) {
   Model model = sample();
-  model.network.layers[0].weights(0, 0) = NAN;
+  model.ensemble.networks[0].layers[0].weights(0, 0) = NAN;
+  EXPECT_THROW(writeModel(model, path()), InputError);
+  model = sample();
+  model.ensemble.networks.clear();
+  EXPECT_THROW(writeModel(model, path()), InputError);
+  model = sample();
+  model.ensemble.networks[1] = test::randomNetwork({3, 2}, 1);
+  EXPECT_THROW(writeModel(model, path()), InputError);
+  model = sample();
+  model.ensemble.calibration->slope = -1.0;
   EXPECT_THROW(writeModel(model, path()), InputError);
   model = sample();
   model.metrics["s_net"] = INFINITY;
@@ -252,7 +281,7 @@ TEST_F(ModelFile, RefusesToWriteWhatCouldNotBeRead) {
 TEST_F(ModelFile, LeavesTheOldFileAloneWhenWritingFails) {
   const Model old = writeModel(sample(), path());
   Model broken = sample();
-  broken.network.layers.clear();
+  broken.ensemble.networks[0].layers.clear();
   EXPECT_THROW(writeModel(broken, path()), InputError);
   EXPECT_THROW(writeModel(sample(), folder_ / "absent" / "model.json"), InputError);
   fs::create_directory(folder_ / "taken");
