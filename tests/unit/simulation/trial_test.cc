@@ -248,7 +248,7 @@ TEST(Trial, TouchInTheLastMillimetresIsNoCollision) {
   const TrialResult stopped = runTrial(barrettHand(), ball(), input, options);
   EXPECT_NE(stopped.outcome, TrialOutcome::collided) << stopped.report;
   EXPECT_NEAR(stopped.stopped_short_m, deep_m, 0.002);
-  options.touch_short_m = deep_m / 2;
+  options.touch_short_m = 0;
   EXPECT_EQ(runTrial(barrettHand(), ball(), input, options).outcome, TrialOutcome::collided);
 }
 
