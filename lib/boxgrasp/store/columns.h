@@ -17,55 +17,10 @@ namespace boxgrasp {
 template <typename Record, typename Type>
 concept IsA = std::same_as<std::remove_const_t<Record>, Type>;
 
-// Every visitColumns(record, visit) calls visit(name of the column, field) for each field, in the table's
-// order.
-void visitColumns(IsA<ModelRecord> auto& model, auto&& visit) {
-  visit("object", model.key.object);
-  visit("scale", model.key.scale);
-  visit("view", model.key.view);
-  visit("mesh_hash", model.mesh_hash);
-  visit("mass_kg", model.mass_kg);
-  visit("size_m", model.size_m);
-  visit("boxes", model.boxes);
-  visit("leaves", model.leaves);
-  visit("projections", model.projections);
-  visit("triplets", model.triplets);
-  visit("configurations", model.configurations);
-  visit("message", model.message);
-}
-
+// Each record has a visitColumns(record, visit) that calls visit(name of the column, field) for each field.
 void visitColumns(IsA<QualityMeasures> auto& quality, auto&& visit) {
   constexpr std::array<const char*, 9> kNames{"q1", "q2", "q3", "q4", "q5", "q6", "q7", "q8", "q9"};
   for (std::size_t i = 0; i < quality.size(); ++i) visit(kNames[i], quality[i]);
-}
-
-void visitColumns(IsA<HypothesisRecord> auto& hypothesis, auto&& visit) {
-  visit("source", hypothesis.source);
-  visit("grasp_index", hypothesis.index);
-  visit("X_OP", hypothesis.X_OP);
-  visit("joints", hypothesis.joints);
-  visit("pregrasp", hypothesis.pregrasp);
-  visit("approach_m", hypothesis.approach_m);
-  visitColumns(hypothesis.quality, visit);
-  visit("box", hypothesis.box);
-  visit("face", hypothesis.face);
-}
-
-void visitColumns(IsA<GraspLabel> auto& label, auto&& visit) {
-  visit("perturbation", label.perturbation);
-  visit("seed", label.seed);
-  visit("friction", label.friction);
-  visit("mass_factor", label.mass_factor);
-  visit("outcome", label.outcome);
-  visit("force_closure", label.force_closure);
-  visit("epsilon", label.epsilon);
-  visit("nu", label.nu);
-  visit("lift_slip_m", label.lift_slip_m);
-  visit("lift_rotation_rad", label.lift_rotation_rad);
-  visit("push_force_n", label.push_force_n);
-  visit("six_push_displacement_m", label.six_push_displacement_m);
-  visit("gravities_held", label.gravities_held);
-  visit("contacts", label.contacts);
 }
 
 template <typename Record>
@@ -82,22 +37,22 @@ std::string columnList() {
   return fmt::format("{}", fmt::join(columnNames<Record>(), ", "));
 }
 
-// "INSERT INTO <table> (<owner>, ...) VALUES (?, ...)"; the owner is the column that says whose the record
-// is, empty for none.
+// "INSERT INTO <table> (<owners>, ...) VALUES (?, ...)"; the owners are the columns that say whose the record
+// is.
 template <typename Record>
-std::string insertStatement(const char* table, const std::string& owner) {
-  std::vector<std::string> names = columnNames<Record>();
-  if (!owner.empty()) names.insert(names.begin(), owner);
+std::string insertStatement(const char* table, const std::vector<std::string>& owners) {
+  std::vector<std::string> names = owners;
+  for (std::string& name : columnNames<Record>()) names.push_back(std::move(name));
   const std::vector<const char*> places(names.size(), "?");
   return fmt::format("INSERT INTO {} ({}) VALUES ({})", table, fmt::join(names, ", "),
                      fmt::join(places, ", "));
 }
 
+// The owners' values, then the record's.
 template <typename Record>
-std::vector<Value> valuesOf(const Record& record) {
-  std::vector<Value> values;
-  visitColumns(record, [&](const char*, const auto& field) { values.push_back(encode(field)); });
-  return values;
+std::vector<Value> valuesOf(const Record& record, std::vector<Value> owners = {}) {
+  visitColumns(record, [&](const char*, const auto& field) { owners.push_back(encode(field)); });
+  return owners;
 }
 
 // The record in the row's columns from `first` on. Throws StoreError for values that are none of ours.

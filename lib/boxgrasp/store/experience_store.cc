@@ -7,7 +7,7 @@
 #include <cctype>
 
 #include "boxgrasp/ranking/model_file.h"
-#include "boxgrasp/store/columns.h"
+#include "boxgrasp/store/experience_columns.h"
 #include "boxgrasp/store/file_lock.h"
 #include "boxgrasp/store/number_text.h"
 
@@ -79,17 +79,15 @@ template <typename Record>
 class Table {
  public:
   // `key`: the condition that finds the row of a record.
-  Table(const Database& database, const char* table, const std::string& owner, const char* key)
+  Table(const Database& database, const char* table, const std::vector<std::string>& owners, const char* key)
       : database_(database),
-        insert_(database, insertStatement<Record>(table, owner) + " ON CONFLICT DO NOTHING"),
+        insert_(database, insertStatement<Record>(table, owners) + " ON CONFLICT DO NOTHING"),
         find_(database, fmt::format("SELECT {} FROM {} WHERE {}", columnList<Record>(), table, key)) {}
 
   // False where the record is there already. Throws InputError where it is with other content.
-  bool add(const std::vector<Value>& owner, const std::vector<Value>& key, const Record& record,
+  bool add(const std::vector<Value>& owners, const std::vector<Value>& key, const Record& record,
            const std::string& name) {
-    std::vector<Value> values = owner;
-    for (Value& value : valuesOf(record)) values.push_back(std::move(value));
-    insert_.bind(values).step();
+    insert_.bind(valuesOf(record, owners)).step();
     if (database_.changedRows() > 0) return true;
     find_.bind(key).step();
     requireSame(difference(readRecord<Record>(find_, 0), record), name);
@@ -124,9 +122,9 @@ void put(const Database& database, const ModelRecord& model, const std::vector<H
          MergeCounts& added) {
   const std::string name = formatModelKey(model.key);
   added.models +=
-      Table<ModelRecord>(database, "models", "", kOfModel).add({}, valuesOfKey(model.key), model, name);
+      Table<ModelRecord>(database, "models", {}, kOfModel).add({}, valuesOfKey(model.key), model, name);
   const Value row = modelRow(database, model.key);
-  Table<HypothesisRecord> table(database, "hypotheses", "model",
+  Table<HypothesisRecord> table(database, "hypotheses", {"model"},
                                 "model = ? AND source = ? AND grasp_index = ?");
   for (const HypothesisRecord& grasp : hypotheses) {
     added.hypotheses += table.add({row}, {row, encode(grasp.source), encode(grasp.index)}, grasp,
@@ -139,7 +137,7 @@ void putLabels(const Database& database, const ModelKey& key, GraspSource source
   const Value model = modelRow(database, key);
   Statement grasp(database,
                   "SELECT hypothesis FROM hypotheses WHERE model = ? AND source = ? AND grasp_index = ?");
-  Table<GraspLabel> table(database, "labels", "hypothesis", "hypothesis = ? AND perturbation = ?");
+  Table<GraspLabel> table(database, "labels", {"hypothesis"}, "hypothesis = ? AND perturbation = ?");
   for (const auto& [index, label] : labels) {
     const std::string name = formatGraspId({key, source, index});
     if (!grasp.bind({model, encode(source), encode(index)}).step())
