@@ -166,10 +166,8 @@ void expectPartition(const BoxTree& tree, const PointCloud& cloud) {
 }
 
 TEST(JuryTree, PartsThePoints) {
-  for (const auto& [name, cloud] : test::allShapes(1500)) {
-    SCOPED_TRACE(name);
+  for (const PointCloud& cloud : {test::letterT(1500), test::mug(1500), test::lattice(16)})
     expectPartition(decompose(cloud, robustOptions(1)), cloud);
-  }
 }
 
 TEST(JuryTree, PartsLettersAndLeavesConvexBodiesWhole) {
