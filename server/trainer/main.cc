@@ -7,6 +7,8 @@
 #include "boxgrasp/base/exit_code.h"
 #include "boxgrasp/base/stop_token.h"
 #include "keygen_command.h"
+#include "label_command.h"
+#include "merge_command.h"
 #include "objects_command.h"
 #include "publish_command.h"
 #include "quality_command.h"
@@ -15,6 +17,7 @@
 #include "show_command.h"
 #include "spread_command.h"
 #include "stability_command.h"
+#include "summary_command.h"
 #include "train_command.h"
 
 namespace {
@@ -137,6 +140,44 @@ void addRates(CLI::App& app, RatesCommand& command) {
   app.add_flag("--json", command.json, "print the table as JSON");
 }
 
+void addLabel(CLI::App& app, LabelCommand& command) {
+  app.add_option("--objects", command.objects, "'builtin', 'paper' (its Table I), or a folder of meshes")
+      ->capture_default_str();
+  app.add_option("--out", command.out, "the experience store to write, or to go on with")->required();
+  app.add_option("--scales", command.scales, "sizes relative to the natural one")
+      ->delimiter(',')
+      ->capture_default_str();
+  app.add_option("--unit-m", command.unit_m, "unit of the meshes in metres: 0.001 for millimetres")
+      ->capture_default_str();
+  app.add_option("--target-size-m", command.target_size_m, "longest side of every mesh; 0: as in its file")
+      ->capture_default_str();
+  app.add_option("--views", command.views, "depth cameras around each object, besides its whole surface")
+      ->capture_default_str();
+  app.add_option("--perturbations", command.perturbations, "perturbed trials of each hypothesis")
+      ->capture_default_str();
+  app.add_option("--last-stage", command.last_stage, "close, lift, shake or push")->capture_default_str();
+  app.add_flag("--protocols", command.protocols, "the published tests too: six pushes, six gravities");
+  app.add_option("--sources", command.sources, "where grasps come from: planner, random, approach")
+      ->delimiter(',')
+      ->capture_default_str();
+  app.add_option("--random", command.random, "random grasps of each model")->capture_default_str();
+  app.add_option("--only", command.only, "the object of this name alone");
+  app.add_option("--shard", command.shard, "i/n: every n-th object and scale, from the i-th on (from 0)");
+  app.add_option("--seed", command.seed, "of sampling, cameras and perturbations")->capture_default_str();
+  app.add_option("--threads", command.threads, "0 = all cores; the labels do not depend on it")
+      ->capture_default_str();
+}
+
+void addMerge(CLI::App& app, MergeCommand& command) {
+  app.add_option("out", command.out, "the store to add to; it is made where there is none")->required();
+  app.add_option("shards", command.shards, "the stores to add")->required();
+}
+
+void addSummary(CLI::App& app, SummaryCommand& command) {
+  app.add_option("store", command.store, "the experience store")->required();
+  app.add_flag("--json", command.json, "print the summary as JSON");
+}
+
 // Commands of their own below `objects`.
 struct ObjectsApps {
   CLI::App *list, *check, *fetch, *view;
@@ -211,6 +252,16 @@ int main(int argc, char** argv) {
   ObjectsCommand objects;
   CLI::App* objects_app = app.add_subcommand("objects", "list, check, fetch and view objects");
   const ObjectsApps objects_apps = addObjects(*objects_app, objects);
+  LabelCommand label;
+  CLI::App* label_app =
+      app.add_subcommand("label", "try planned grasps in the simulator and keep the results");
+  addLabel(*label_app, label);
+  MergeCommand merge;
+  CLI::App* merge_app = app.add_subcommand("merge", "make one experience store of several");
+  addMerge(*merge_app, merge);
+  SummaryCommand summary;
+  CLI::App* summary_app = app.add_subcommand("summary", "print what an experience store holds");
+  addSummary(*summary_app, summary);
   addTrain(*train_app, train);
   addSample(*sample_app, sample);
   try {
@@ -228,6 +279,9 @@ int main(int argc, char** argv) {
     if (show_app->parsed()) runShow(show);
     if (spread_app->parsed()) runSpread(spread);
     if (rates_app->parsed()) runRates(rates);
+    if (label_app->parsed()) return runLabel(label);
+    if (merge_app->parsed()) runMerge(merge);
+    if (summary_app->parsed()) runSummary(summary);
     if (objects_app->parsed()) return runObjects(objects_apps, objects);
     return kDone;
   } catch (const Stopped&) {

@@ -1,0 +1,23 @@
+#include "merge_command.h"
+
+#include <fmt/format.h>
+
+#include "boxgrasp/store/experience_store.h"
+
+namespace boxgrasp {
+
+void runMerge(const MergeCommand& command) {
+  const std::string settings = ExperienceStore::openForReading(command.shards.front()).settings();
+  ExperienceStore out = ExperienceStore::openForWriting(command.out, settings);
+  MergeCounts sum;
+  for (const std::filesystem::path& shard : command.shards) {
+    const MergeCounts added = out.merge(ExperienceStore::openForReading(shard));
+    sum.models += added.models;
+    sum.hypotheses += added.hypotheses;
+    sum.labels += added.labels;
+  }
+  fmt::print("added {} models, {} hypotheses and {} labels of {} stores to {}\ncontent {}\n", sum.models,
+             sum.hypotheses, sum.labels, command.shards.size(), command.out.string(), out.contentHash());
+}
+
+}  // namespace boxgrasp
