@@ -29,8 +29,9 @@ void Clerk::reply(const char* channel, const Message& message) {
 void Clerk::publication(publish_model_t message) {
   if (publishing_.exchange(true)) return;
   const bool posted = background_.post([this, message = std::move(message)] {
-    reply(channel::kModelReply, models_.publish(message));
-    publishing_ = false;
+    const model_reply_t answer = models_.publish(message);
+    publishing_ = false;  // first: whoever has the reply may publish the next
+    reply(channel::kModelReply, answer);
   });
   if (!posted) publishing_ = false;
 }

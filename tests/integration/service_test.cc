@@ -16,12 +16,9 @@
 #include <thread>
 
 #include "boxgrasp/cloud/write_cloud.h"
-#include "boxgrasp/messaging/channels.h"
 #include "boxgrasp/messaging/cloud_conversion.h"
-#include "boxgrasp/messaging/lcm_bus.h"
-#include "boxgrasp/messaging/plan_conversion.h"
-#include "boxgrasp/objects/parametric.h"
 #include "processes.h"
+#include "wire.h"
 
 namespace boxgrasp::test {
 namespace {
@@ -30,16 +27,6 @@ using Clock = std::chrono::steady_clock;
 using testing::AnyOf;
 using testing::Contains;
 using testing::HasSubstr;
-
-// A port of this process's own, so that test programs can run at the same time where they share a network.
-const std::string& url() {
-  static const std::string text = fmt::format("udpm://239.255.76.67:{}?ttl=0", 20000 + getpid() % 20000);
-  return text;
-}
-
-PointCloud cup(std::size_t points = 20'000) {
-  return sampleSurface(parametricObject("paper_cup"), points, 1);
-}
 
 std::vector<std::string> operator+(std::vector<std::string> a, const std::vector<std::string>& b) {
   a.insert(a.end(), b.begin(), b.end());
@@ -74,64 +61,6 @@ class Service : public testing::Test {
 
   TemporaryFolder folder;
   std::optional<Process> server;
-};
-
-// This test as a client that speaks the wire itself.
-class Wire {
- public:
-  Wire() : bus_({.url = url()}) {
-    bus_.subscribe(channel::kPlanResponse, kMaxMessageBytes, [this](auto bytes) {
-      answers.push_back(decoded<plan_response_t>(bytes));
-      raw.emplace_back(bytes.begin(), bytes.end());
-    });
-    bus_.subscribe(channel::kStatus, kMaxMessageBytes,
-                   [this](auto bytes) { status = decoded<status_t>(bytes); });
-  }
-
-  plan_request_t request(const std::string& id, double deadline_s = 0.0, std::size_t points = 4000) const {
-    PlanRequest plan;
-    plan.cloud_C = cup(points);
-    return toMessage(plan, {id, "camera", deadline_s, 1});
-  }
-  // Its plan takes some 20 s with slow.toml, and looks at its stop token all the time.
-  plan_request_t slowRequest(const std::string& id, double deadline_s = 0.0) const {
-    return request(id, deadline_s, 300'000);
-  }
-  template <typename Message>
-  void send(const std::string& to, const Message& message) {
-    bus_.publish(to, message);
-  }
-  bool until(const std::function<bool()>& condition, double timeout_s = 20.0) {
-    const auto end = Clock::now() + std::chrono::duration<double>(timeout_s);
-    while (!condition() && Clock::now() < end) bus_.wait(20);
-    return condition();
-  }
-  const plan_response_t* answer(const std::string& id) const {
-    for (const plan_response_t& a : answers) {
-      if (a.request_id == id) return &a;
-    }
-    return nullptr;
-  }
-  // The answer to a request sent now; a null pointer if none comes.
-  const plan_response_t* ask(const plan_request_t& message) {
-    send(channel::kPlanRequest, message);
-    until([&] { return answer(message.request_id) != nullptr; });
-    return answer(message.request_id);
-  }
-  bool active(const std::string& id) const {
-    return std::find(status.active.begin(), status.active.end(), id) != status.active.end();
-  }
-  void freshStatus() {
-    const auto before = status.utime;
-    until([&] { return status.utime != before; });
-  }
-
-  std::vector<plan_response_t> answers;
-  std::vector<std::vector<std::uint8_t>> raw;
-  status_t status{};
-
- private:
-  LcmBus bus_;
 };
 
 nlohmann::json withoutTimes(const std::string& text) {
@@ -229,7 +158,7 @@ TEST_F(Service, SaysThatADeadlinePassed) {
   const plan_response_t* gone = wire.ask(wire.request("passed before it came", -1.0));
   ASSERT_TRUE(gone);
   EXPECT_EQ(outcomeName(gone->outcome), "deadline");
-  wire.send(channel::kPlanRequest, wire.slowRequest("short", 0.4));
+  wire.send(channel::kPlanRequest, wire.slowRequest("short", 2.0));
   const plan_response_t* waited = wire.ask(wire.request("waits", 0.2));
   ASSERT_TRUE(waited);
   EXPECT_EQ(outcomeName(waited->outcome), "deadline");

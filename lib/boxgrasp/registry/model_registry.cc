@@ -144,8 +144,8 @@ void ModelRegistry::open() {
   } catch (const std::exception& error) {
     const fs::path aside = file.string() + ".damaged";
     fs::rename(file, aside);
-    trouble_ = fmt::format("'{}' is damaged ({}); it was renamed to '{}', and the registry begins anew",
-                           file.string(), error.what(), aside.string());
+    trouble_ = fmt::format("'{}' is damaged: the registry begins anew, and the old one is '{}' now; {}",
+                           file.string(), aside.filename().string(), error.what());
   }
 }
 
