@@ -65,10 +65,7 @@ std::pair<Samples, Samples> heldOut(const GroupedSamples& data, const std::strin
   for (std::size_t i = 0; i < data.objects.size(); ++i) {
     (data.objects[i] == object ? validation : training).push_back(static_cast<Eigen::Index>(i));
   }
-  const auto rows = [&](const std::vector<Eigen::Index>& indices) {
-    return Samples{data.samples.inputs(indices, Eigen::all), data.samples.targets(indices)};
-  };
-  return {rows(training), rows(validation)};
+  return {selectRows(data.samples, training), selectRows(data.samples, validation)};
 }
 
 std::string utcNow() {

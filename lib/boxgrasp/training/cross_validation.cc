@@ -49,17 +49,13 @@ std::vector<Object> objectsOf(const GroupedSamples& data) {
   return objects;
 }
 
-Samples select(const Samples& samples, const std::vector<Index>& rows) {
-  return {samples.inputs(rows, Eigen::all), samples.targets(rows)};
-}
-
 Samples selectOthers(const Samples& samples, const std::vector<Object>& objects, std::size_t test,
                      std::size_t validation) {
   std::vector<Index> rows;
   for (std::size_t i = 0; i < objects.size(); ++i) {
     if (i != test && i != validation) rows.insert(rows.end(), objects[i].rows.begin(), objects[i].rows.end());
   }
-  return select(samples, rows);
+  return selectRows(samples, rows);
 }
 
 struct Fold {
@@ -78,8 +74,8 @@ Fold runFold(const GroupedSamples& data, const std::vector<Object>& objects, std
   LevenbergMarquardtOptions training = options.training;
   training.seed = random();
   const Trained trained = train(selectOthers(data.samples, objects, test, validation),
-                                select(data.samples, objects[validation].rows), training, stop);
-  const Samples unknown = select(data.samples, objects[test].rows);
+                                selectRows(data.samples, objects[validation].rows), training, stop);
+  const Samples unknown = selectRows(data.samples, objects[test].rows);
   return {rankingSuccess(scores(trained.network, unknown.inputs), unknown.targets), validation};
 }
 

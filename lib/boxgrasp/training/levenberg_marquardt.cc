@@ -24,10 +24,14 @@ constexpr double kMinMu = 1e-20;  // repeated decreases must not reach zero, fro
 struct NormalisedSamples {
   MatrixXd inputs;
   VectorXd targets;
+  VectorXd weight_roots;  // of weights whose mean is 1; empty: all 1
 };
 
 NormalisedSamples normalised(const Samples& samples, const Network& network) {
-  return {normalisedInputs(network, samples.inputs), network.output.applyRows(samples.targets)};
+  NormalisedSamples set{
+      normalisedInputs(network, samples.inputs), network.output.applyRows(samples.targets), {}};
+  if (samples.weights.size() > 0) set.weight_roots = (samples.weights / samples.weights.mean()).cwiseSqrt();
+  return set;
 }
 
 Index parameterCount(const Network& network) {
@@ -79,12 +83,18 @@ Linearisation linearise(const Network& network, const MatrixXd& inputs, const Ve
   return result;
 }
 
+void weigh(const VectorXd& roots, Linearisation& block) {
+  block.residuals.array() *= roots.array();
+  for (Index n = 0; n < roots.size(); ++n) block.jacobian.row(n) *= roots[n];
+}
+
 NormalEquations normalEquations(const Network& network, const NormalisedSamples& samples) {
   NormalEquations equations(parameterCount(network));
   for (Index first = 0; first < samples.targets.size(); first += kBlockRows) {
     const Index rows = std::min(kBlockRows, samples.targets.size() - first);
-    const Linearisation block =
+    Linearisation block =
         linearise(network, samples.inputs.middleRows(first, rows), samples.targets.segment(first, rows));
+    if (samples.weight_roots.size() > 0) weigh(samples.weight_roots.segment(first, rows), block);
     equations.add(block.jacobian, block.residuals);
   }
   return equations;
@@ -95,8 +105,11 @@ double meanSquaredError(const Network& network, const NormalisedSamples& samples
   for (Index first = 0; first < samples.targets.size(); first += kBlockRows) {
     const Index rows = std::min(kBlockRows, samples.targets.size() - first);
     const MatrixXd output = activations(network, samples.inputs.middleRows(first, rows)).back();
-    for (Index n = 0; n < rows; ++n)
-      sum += (output(n, 0) - samples.targets[first + n]) * (output(n, 0) - samples.targets[first + n]);
+    for (Index n = 0; n < rows; ++n) {
+      double error = output(n, 0) - samples.targets[first + n];
+      if (samples.weight_roots.size() > 0) error *= samples.weight_roots[first + n];
+      sum += error * error;
+    }
   }
   return sum / static_cast<double>(samples.targets.size());
 }
@@ -235,6 +248,19 @@ void checkFinite(const MatrixXd& values, const std::string& set, const char* wha
   }
 }
 
+void checkWeights(const Samples& samples, const std::string& set) {
+  const VectorXd& weights = samples.weights;
+  if (weights.size() == 0) return;
+  if (weights.size() != samples.targets.size()) {
+    throw InputError(fmt::format("{} samples: {} weights, but {} targets; give one weight a row, or none",
+                                 set, weights.size(), samples.targets.size()));
+  }
+  checkFinite(weights, set, "the weight");
+  if (weights.minCoeff() >= 0.0 && weights.maxCoeff() > 0.0) return;
+  throw InputError(fmt::format("{} samples: weights from {} to {}; give none below 0, and not 0 alone", set,
+                               weights.minCoeff(), weights.maxCoeff()));
+}
+
 void checkSets(const Samples& training, const Samples& validation) {
   checkSamples(training, "training");
   if (training.targets.size() == 0)
@@ -320,6 +346,13 @@ void checkSamples(const Samples& samples, const std::string& set) {
   }
   checkFinite(samples.inputs, set, "the input");
   checkFinite(samples.targets, set, "the target");
+  checkWeights(samples, set);
+}
+
+Samples selectRows(const Samples& samples, const std::vector<Index>& rows) {
+  Samples selected{samples.inputs(rows, Eigen::all), samples.targets(rows)};
+  if (samples.weights.size() > 0) selected.weights = samples.weights(rows);
+  return selected;
 }
 
 ResidualsAndJacobian residualsAndJacobian(const Network& network, const Samples& samples) {

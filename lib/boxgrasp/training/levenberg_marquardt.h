@@ -14,11 +14,17 @@ namespace boxgrasp {
 struct Samples {
   MatrixXd inputs;   // n x features
   VectorXd targets;  // n
+  // n: how much each row's squared error counts, relative to the others; empty: all the same. Two rows of
+  // weight 1 that are equal count as one of weight 2.
+  VectorXd weights{};
 };
 
 // Throws InputError, naming the set and the row and column, for numbers that are not finite, for other
-// numbers of rows and of targets, and for no or too many features.
+// numbers of rows and of targets or weights, for no or too many features, and for weights below 0 or all 0.
 void checkSamples(const Samples& samples, const std::string& set);
+
+// These rows in this order. Pre: 0 <= each < samples.targets.size().
+Samples selectRows(const Samples& samples, const std::vector<Eigen::Index>& rows);
 
 struct LevenbergMarquardtOptions {
   std::vector<int> hidden = {8};  // nodes of each hidden layer (paper IV.C: 8); empty for a linear model
