@@ -47,6 +47,7 @@ std::vector<GraspSource> parseSources(const std::vector<std::string>& names) {
 
 LabellingOptions optionsOf(const LabelCommand& command) {
   LabellingOptions options;
+  options.limit = command.limit;
   options.random = command.random;
   options.last_stage = parseStage(command.last_stage);
   options.protocols = command.protocols;
@@ -198,11 +199,13 @@ std::size_t Labeller::missing(const ObjectSource& object) const {
 void Labeller::labelBatch(const SimulatedObject& solid, const ModelKey& key,
                           const std::vector<HypothesisRecord>& hypotheses,
                           const std::vector<LabelSlot>& slots) {
+  const auto hypothesisOf = [&](const LabelSlot& slot) -> const HypothesisRecord& {
+    return *std::ranges::lower_bound(hypotheses, slot.index, {}, &HypothesisRecord::index);
+  };
   std::vector<IndexedLabel> labels(slots.size());
   parallelFor(slots.size(), command_.threads, [&](std::size_t i) {
     const LabelSlot& slot = slots[i];
-    labels[i] = {slot.index, labelGrasp(hand_, solid, key, hypotheses[static_cast<std::size_t>(slot.index)],
-                                        slot.perturbation, options_)};
+    labels[i] = {slot.index, labelGrasp(hand_, solid, key, hypothesisOf(slot), slot.perturbation, options_)};
   });
   store_.addLabels(key, hypotheses.front().source, labels);
   done_ += slots.size();

@@ -20,6 +20,7 @@ struct LabelCommand {
   std::string last_stage = "push";
   bool protocols = false;
   std::vector<std::string> sources{"planner"};
+  int limit = 0;      // hypotheses of each model and source, evenly chosen; 0: all
   int random = 200;   // random grasps of each model
   std::string only;   // one object alone
   std::string shard;  // "i/n": every n-th (object, scale), from the i-th on, i = 0 .. n - 1

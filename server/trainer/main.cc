@@ -160,6 +160,8 @@ void addLabel(CLI::App& app, LabelCommand& command) {
   app.add_option("--sources", command.sources, "where grasps come from: planner, random, approach")
       ->delimiter(',')
       ->capture_default_str();
+  app.add_option("--limit", command.limit, "hypotheses of each model and source, evenly chosen; 0: all")
+      ->capture_default_str();
   app.add_option("--random", command.random, "random grasps of each model")->capture_default_str();
   app.add_option("--only", command.only, "the object of this name alone");
   app.add_option("--shard", command.shard, "i/n: every n-th object and scale, from the i-th on (from 0)");

@@ -101,6 +101,14 @@ std::vector<HypothesisRecord> hypothesesOf(GraspSource source, const HandDescrip
   return records;
 }
 
+// The middle one of each of `limit` equal shares.
+void thin(std::vector<HypothesisRecord>& records, int limit) {
+  const auto all = records.size(), few = static_cast<std::size_t>(limit);
+  if (limit == 0 || all <= few) return;
+  for (std::size_t i = 0; i < few; ++i) records[i] = records[(2 * i + 1) * all / (2 * few)];
+  records.resize(few);
+}
+
 GraspLabel labelOf(const TrialResult& result) {
   GraspLabel label;
   label.outcome = result.outcome;
@@ -127,6 +135,7 @@ double atLeastZero(double x) { return x > 0 ? x : 0.0; }
 
 void LabellingOptions::validate() const {
   requireOption(points >= 1000, "points", points, "at least 1000");
+  requireOption(limit >= 0, "limit", limit, "at least 0");
   requireOption(random >= 0, "random", random, "at least 0");
   planner.validate();
   trial.validate();
@@ -137,10 +146,11 @@ std::string labellingSettings(const HandDescription& hand, const LabellingOption
                               const std::string& code_version) {
   const PhysicsOptions& physics = options.trial.physics;
   return fmt::format(
-      "code = {}\nhand = {}\nseed = {}\npoints = {}\nrandom = {}\nlast_stage = {}\nprotocols = {}\n"
+      "code = {}\nhand = {}\nseed = {}\npoints = {}\nlimit = {}\nrandom = {}\nlast_stage = {}\nprotocols = "
+      "{}\n"
       "force_closure = {}\nstep_s = {}\nfriction = {}\nshift_m = {}\nturn_rad = {}\nfriction_share = {}\n"
       "mass_share = {}\n",
-      code_version, hand.name, options.seed, options.points, options.random,
+      code_version, hand.name, options.seed, options.points, options.limit, options.random,
       static_cast<int>(options.last_stage), options.protocols, options.planner.require_force_closure,
       physics.step_s, physics.friction, options.perturbation.shift_m, options.perturbation.turn_rad,
       options.perturbation.friction_share, options.perturbation.mass_share);
@@ -180,7 +190,9 @@ PlannedModel planModel(const HandDescription& hand, const TriangleMesh& mesh_O, 
   model.record.mass_kg = ObjectOptions{}.density_kg_m3 * massPropertiesOf(mesh_O).volume;
   count(result, tally, model.record);
   for (const GraspSource source : sources) {
-    for (HypothesisRecord& record : hypothesesOf(source, hand, mesh_O, key, result, options)) {
+    auto records = hypothesesOf(source, hand, mesh_O, key, result, options);
+    thin(records, options.limit);
+    for (HypothesisRecord& record : records) {
       record.source = source;
       model.hypotheses.push_back(std::move(record));
     }

@@ -19,6 +19,8 @@ namespace boxgrasp {
 struct LabellingOptions {
   // Of the cloud of the whole surface. More cost planning time, and change boxes little.
   std::size_t points = 30'000;
+  // Of each model and source, evenly chosen from all; they keep their index among all. 0: all of them.
+  int limit = 0;
   int random = 200;  // random grasps on each model, where they are asked for
   // Earlier stages take a fraction of the time, and leave out the labels of the later ones.
   TrialStage last_stage = TrialStage::push;
