@@ -6,6 +6,7 @@
 #include "boxgrasp/base/error.h"
 #include "boxgrasp/base/exit_code.h"
 #include "boxgrasp/base/stop_token.h"
+#include "evaluate_command.h"
 #include "keygen_command.h"
 #include "label_command.h"
 #include "merge_command.h"
@@ -30,17 +31,31 @@ std::string commandLine(int argc, char** argv) {
   return line;
 }
 
-void addTrain(CLI::App& app, TrainCommand& command) {
-  app.add_option("--labels", command.labels,
-                 "where the labels come from: 'analytic' = s (Eq. 6) of planned contacts")
+void addStudy(CLI::App& app, StudyCommand& command) {
+  app.add_option(
+      "--store", command.store,
+      "simulated labels, from boxgrasp-trainer label; without it s is computed from planned contacts");
+  app.add_option("--meshes", command.meshes, "the store's objects: 'builtin', or a folder of meshes")
       ->capture_default_str();
-  app.add_option("--out", command.out, "the model file to write")->required();
-  app.add_option("--hidden", command.hidden, "nodes of each hidden layer")->capture_default_str();
-  app.add_option("--objects", command.objects, "parametric objects to train on; all if none is given");
-  app.add_option("--features", command.features,
-                 "'relative': measures without their units; 'raw': as in the paper")
+  app.add_option("--views", command.views, "as when the store was labelled")->capture_default_str();
+  app.add_option("--objects", command.objects, "names of the objects to learn from; all if none is given");
+  app.add_option("--points", command.points, "points sampled on each object, without a store")
       ->capture_default_str();
-  app.add_option("--points", command.points, "points sampled on each object")->capture_default_str();
+  app.add_option(
+         "--target", command.target,
+         "'s': Eq. 6, as in the paper; 'hold': probability to be held in lift and shake; 'both': their "
+         "product")
+      ->capture_default_str();
+  app.add_option(
+         "--inputs", command.inputs,
+         "'chosen': what ranks best; 'paper': q1 to q9; 'relative': these without their units; 'all'; "
+         "or a list of features, separated by commas")
+      ->capture_default_str();
+  app.add_option("--hidden", command.hidden, "nodes of each hidden layer; 0 for a linear model")
+      ->capture_default_str();
+  app.add_option("--ensemble", command.networks, "networks whose outputs are averaged; 1 as in the paper")
+      ->capture_default_str();
+  app.add_option("--starts", command.starts, "first weights to try for each network")->capture_default_str();
   app.add_option("--repeats", command.repeats, "repeats of the leave-one-object-out validation")
       ->capture_default_str();
   app.add_option("--seed", command.seed, "seed of sampling, validation and first weights")
@@ -48,7 +63,23 @@ void addTrain(CLI::App& app, TrainCommand& command) {
   app.add_option("--threads", command.threads, "0 = all cores; the result does not depend on it")
       ->capture_default_str();
   app.add_option("--hand", command.hand, "hand description file (TOML); the Barrett hand if none is given");
+}
+
+void addTrain(CLI::App& app, TrainCommand& command) {
+  addStudy(app, command.study);
+  app.add_option("--labels", command.labels, "without a store: 'analytic' = s (Eq. 6) of planned contacts")
+      ->capture_default_str();
+  app.add_option("--out", command.out, "the model file to write")->required();
+  app.add_option("--report", command.report, "what was learnt as a page, HTML");
+  app.add_flag("--sweep", command.sweep, "networks of all sizes in the report (Fig. 7)");
   app.add_flag("--json", command.json, "print the metrics as JSON");
+}
+
+void addEvaluate(CLI::App& app, EvaluateCommand& command) {
+  addStudy(app, command.study);
+  app.add_flag("--sweep", command.sweep, "1 to 30 hidden nodes, 2 and 3 layers (Fig. 7)");
+  app.add_option("--plot", command.plot, "reliability of the scores, SVG; for --target hold");
+  app.add_flag("--json", command.json, "print the results as JSON");
 }
 
 void addSample(CLI::App& app, SampleCommand& command) {
@@ -265,6 +296,10 @@ int main(int argc, char** argv) {
   CLI::App* summary_app = app.add_subcommand("summary", "print what an experience store holds");
   addSummary(*summary_app, summary);
   addTrain(*train_app, train);
+  EvaluateCommand evaluate;
+  CLI::App* evaluate_app =
+      app.add_subcommand("evaluate", "measure how well learning ranks grasps of objects never seen");
+  addEvaluate(*evaluate_app, evaluate);
   addSample(*sample_app, sample);
   try {
     app.parse(argc, argv);
@@ -273,6 +308,7 @@ int main(int argc, char** argv) {
   }
   try {
     if (train_app->parsed()) runTrain(train, commandLine(argc, argv));
+    if (evaluate_app->parsed()) runEvaluate(evaluate);
     if (sample_app->parsed()) runSample(sample);
     if (quality_app->parsed()) runQuality(quality);
     if (keygen_app->parsed()) runKeygen(keygen);

@@ -14,13 +14,28 @@
 namespace boxgrasp {
 namespace {
 
-void rank(const Model& model, PlanResult& result, Tally& tally) {
+// All grasps of one object at once: places among them count.
+void scoreObject(const Model& model, const PlannedObject& object, const std::vector<Grasp*>& grasps,
+                 const PlannerOptions& options, double friction, const StopToken& stop) {
+  const MeasuringOptions measuring{model.features, friction, options.threads};
+  const MatrixXd measures = graspMeasures(object, {grasps.begin(), grasps.end()}, measuring, stop);
+  const MatrixXd inputs = networkInputs(model.features, measures);
+  const VectorXd all = scores(model.ensemble, inputs);
+  for (Eigen::Index i = 0; i < all.size(); ++i) {
+    Grasp& grasp = *grasps[static_cast<std::size_t>(i)];
+    grasp.score = all[i];
+    grasp.inputs.assign(inputs.row(i).begin(), inputs.row(i).end());
+  }
+}
+
+void rank(const Model& model, const PlannerOptions& options, double friction, const StopToken& stop,
+          PlanResult& result, Tally& tally) {
   const StageTimer timer(tally, StageId::ranking);
   if (result.grasps.empty()) return;
-  for (Grasp& grasp : result.grasps) {
-    const double size_m = objectSize(result.objects[grasp.object]);
-    const VectorXd inputs = networkInputs(model.features, grasp.quality, size_m);
-    grasp.score = scores(model.ensemble, inputs.transpose())[0];
+  std::vector<std::vector<Grasp*>> by_object(result.objects.size());
+  for (Grasp& grasp : result.grasps) by_object[static_cast<std::size_t>(grasp.object)].push_back(&grasp);
+  for (std::size_t i = 0; i < by_object.size(); ++i) {
+    if (!by_object[i].empty()) scoreObject(model, result.objects[i], by_object[i], options, friction, stop);
   }
   std::stable_sort(result.grasps.begin(), result.grasps.end(),
                    [](const Grasp& a, const Grasp& b) { return a.score > b.score; });
@@ -107,7 +122,7 @@ GraspPlanner::GraspPlanner(HandDescription hand, Model model, PlannerOptions opt
   const auto features = static_cast<int>(model_.features.size());
   requireOption(model_.ensemble.inputs() == features, "the model's number of inputs",
                 model_.ensemble.inputs(), "that of its features");
-  networkInputs(model_.features, QualityMeasures{}, 1.0);
+  checkFeatures(model_.features);
 }
 
 PlanResult GraspPlanner::plan(const PlanRequest& request, const StopToken& stop, PlanTrace* trace) const {
@@ -120,7 +135,7 @@ PlanResult GraspPlanner::plan(const PlanRequest& request, const StopToken& stop,
     stop.check();
     requireOption(request.top_k >= 0, "top_k", request.top_k, "at least 0");
     findHypotheses(hand_, options_, request, stop, trace, result, tally);
-    rank(model_, result, tally);
+    rank(model_, options_, request.friction, stop, result, tally);
     keepDistinct(options_, request.top_k, stop, result.grasps, tally);
     conclude(result, tally);
   } catch (const Stopped& stopped) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <map>
 
 #include "boxgrasp/base/error.h"
 #include "boxgrasp/base/random.h"
@@ -11,28 +12,36 @@
 namespace boxgrasp {
 namespace {
 
-constexpr int kPlausible = 60;
+constexpr Eigen::Index kPlausible = 60;
+constexpr double kExtremes[] = {0.0, 1e3, -1e3, 1e9};
 constexpr int kEnough = 5;         // grasps until a time is believed
 constexpr double kMostTimes = 10;  // as long as the model before
 constexpr double kHarmless_s = 50e-6;
 
-// What the measures of real grasps reach, in their units.
-constexpr QualityMeasures kLargest{5e-3, 1.0, 1.0, 0.1, 1.5, 0.1, 0.05, 1e-3, 0.1};
+// What the measures of real grasps reach, in their units; of those that are not here, 1.
+const std::map<std::string, double> kLargest{
+    {"q1", 5e-3},         {"q4", 0.1},           {"q5", 1.5},          {"q6", 0.1},
+    {"q7", 0.05},         {"q8", 1e-3},          {"q9", 0.1},          {"epsilon", 0.3},
+    {"nu", 0.1},          {"epsilon_half", 0.2}, {"center", 0.1},      {"center_off", 0.1},
+    {"span_min", 0.1},    {"span_max", 0.2},     {"spread_out", 0.05}, {"depth", 0.12},
+    {"palm", 0.2},        {"spread", 3.1},       {"finger_bend", 2.4}, {"thumb_bend", 2.4},
+    {"thumb_angle", 0.4}, {"focus_area", 5e-3},  {"level", 4.0}};
 
-double scoreOf(const Model& model, const CanaryGrasp& grasp) {
-  return scores(model.ensemble, networkInputs(model.features, grasp.quality, grasp.size_m).transpose())[0];
+double largest(const std::string& measure) {
+  const auto found = kLargest.find(measure);
+  return found == kLargest.end() ? 1.0 : found->second;
 }
 
 // The score, and its time where that is less than least_s.
-double timedScore(const Model& model, const CanaryGrasp& grasp, double& least_s) {
+double timedScore(const Model& model, const Eigen::RowVectorXd& inputs, double& least_s) {
   const auto start = std::chrono::steady_clock::now();
-  const double score = scoreOf(model, grasp);
+  const double score = scores(model.ensemble, inputs)[0];
   const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
   least_s = std::min(least_s, time.count());
   return score;
 }
 
-void checkScore(const Model& model, double score, std::size_t grasp) {
+void checkScore(const Model& model, double score, Eigen::Index grasp) {
   if (!std::isfinite(score))
     throw InputError(fmt::format("the model scores canary grasp {} with {}; train it again", grasp, score));
   if (model.ensemble.calibration && (score < 0 || score > 1))
@@ -44,24 +53,26 @@ void checkScore(const Model& model, double score, std::size_t grasp) {
 
 }  // namespace
 
-std::vector<CanaryGrasp> canaryGrasps() {
+MatrixXd canaryMeasures() {
   std::mt19937_64 random(1);
-  std::vector<CanaryGrasp> grasps(kPlausible);
-  for (CanaryGrasp& grasp : grasps) {
-    grasp.size_m = uniform(random, 0.02, 0.3);
-    for (std::size_t q = 0; q < grasp.quality.size(); ++q) grasp.quality[q] = kLargest[q] * uniform(random);
+  const std::vector<std::string> names = measureNames();
+  MatrixXd measures(kPlausible + std::ssize(kExtremes), std::ssize(names));
+  for (Eigen::Index row = 0; row < kPlausible; ++row) {
+    for (std::size_t i = 0; i < names.size(); ++i)
+      measures(row, static_cast<Eigen::Index>(i)) =
+          names[i] == "size" ? uniform(random, 0.02, 0.3) : largest(names[i]) * uniform(random);
   }
-  for (const double extreme : {0.0, 1e3, -1e3, 1e9}) {
-    CanaryGrasp grasp{{}, 0.1};
-    grasp.quality.fill(extreme);
-    grasps.push_back(grasp);
-  }
-  return grasps;
+  for (std::size_t i = 0; i < std::size(kExtremes); ++i)
+    measures.row(kPlausible + static_cast<Eigen::Index>(i)).setConstant(kExtremes[i]);
+  const auto size = std::ranges::find(names, "size") - names.begin();
+  measures.col(size).tail(std::size(kExtremes)).setConstant(0.1);
+  return measures;
 }
 
 double graspSeconds(const Model& model) {
   double least_s = std::numeric_limits<double>::infinity();
-  for (const CanaryGrasp& grasp : canaryGrasps()) timedScore(model, grasp, least_s);
+  const MatrixXd inputs = networkInputs(model.features, canaryMeasures());
+  for (Eigen::Index i = 0; i < inputs.rows(); ++i) timedScore(model, inputs.row(i), least_s);
   return least_s;
 }
 
@@ -69,11 +80,11 @@ void runCanary(const Model& model, double most_s) {
   model.ensemble.validate();
   requireOption(model.ensemble.inputs() == static_cast<int>(model.features.size()),
                 "the model's number of inputs", model.ensemble.inputs(), "that of its features");
-  const std::vector<CanaryGrasp> grasps = canaryGrasps();
+  const MatrixXd inputs = networkInputs(model.features, canaryMeasures());
   std::vector<double> all;
   double least_s = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < grasps.size(); ++i) {
-    all.push_back(timedScore(model, grasps[i], least_s));
+  for (Eigen::Index i = 0; i < inputs.rows(); ++i) {
+    all.push_back(timedScore(model, inputs.row(i), least_s));
     checkScore(model, all.back(), i);
     if (i + 1 >= kEnough && least_s > most_s)
       throw InputError(

@@ -2,22 +2,14 @@
 #pragma once
 
 #include <limits>
-#include <vector>
 
-#include "boxgrasp/quality/measures.h"
 #include "boxgrasp/ranking/model_file.h"
 
 namespace boxgrasp {
 
-// The measures of a grasp, and the size L of its object, as networkInputs() takes them.
-struct CanaryGrasp {
-  QualityMeasures quality{};
-  double size_m = 0.0;
-};
-
-// The built-in grasps: plausible ones on objects from 2 to 30 cm, always the same, and some that lie far
-// outside of what any model was trained on.
-std::vector<CanaryGrasp> canaryGrasps();
+// The measures of the built-in grasps as networkInputs() takes them, a row each: plausible ones on objects
+// from 2 to 30 cm, always the same, and some that lie far outside of what any model was trained on.
+MatrixXd canaryMeasures();
 
 // The time that the model takes to score one grasp, as the planner does, seconds: the least over the canary
 // grasps, so that other programs on the machine count little. Pre: the model fits its features.

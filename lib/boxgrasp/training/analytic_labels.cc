@@ -40,8 +40,7 @@ LabelledObject labelled(const HandDescription& hand, const PlannerOptions& plann
 
   LabelledObject labels{name,
                         scale,
-                        objectSize(result.objects.front()),
-                        MatrixXd(result.grasps.size(), 9),
+                        {},
                         VectorXd(result.grasps.size()),
                         VectorXd(result.grasps.size()),
                         {},
@@ -53,10 +52,12 @@ LabelledObject labelled(const HandDescription& hand, const PlannerOptions& plann
     stop.check();
     const auto row = static_cast<Eigen::Index>(i);
     const GraspQuality quality = qualityOf(result.grasps[i], wrench);
-    labels.measures.row(row) = Eigen::Map<const Eigen::RowVectorXd>(result.grasps[i].quality.data(), 9);
     labels.epsilon[row] = quality.epsilon;
     labels.nu[row] = quality.volume;
   }
+  std::vector<const Grasp*> grasps;
+  for (const Grasp& grasp : result.grasps) grasps.push_back(&grasp);
+  labels.measures = graspMeasures(result.objects.front(), grasps, {options.features, options.friction}, stop);
   labels.success = successes(labels.epsilon, labels.nu);
   return labels;
 }

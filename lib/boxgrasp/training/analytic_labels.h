@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "boxgrasp/base/stop_token.h"
-#include "boxgrasp/planning/plan.h"
+#include "boxgrasp/planning/features.h"
 #include "boxgrasp/training/levenberg_marquardt.h"
 
 namespace boxgrasp {
@@ -20,6 +20,7 @@ struct AnalyticLabelOptions {
   std::vector<double> scales = {0.75, 1.0, 1.25};  // three sizes of each (paper IV: 14 objects in 3 scales)
   std::size_t points = 30'000;                     // sampled on each surface
   double friction = 0.4;
+  std::vector<std::string> features = relativeFeatures();  // what the measures are for
   std::uint64_t seed = 1;
   int threads = 0;  // 0 = all cores; the labels do not depend on it
   void validate() const;
@@ -29,8 +30,7 @@ struct AnalyticLabelOptions {
 struct LabelledObject {
   std::string name;
   double scale = 0.0;
-  double size_m = 0.0;  // L of the features
-  MatrixXd measures;    // hypotheses x 9
+  MatrixXd measures;  // as from graspMeasures(): hypotheses x measures
   VectorXd epsilon,
       nu;            // of the planned contacts, about the volume's centre, torques over the largest radius
   VectorXd success;  // s: (nu / nu_max)^2 + (epsilon / epsilon_max)^2 over this object and size (Eq. 6)

@@ -4,10 +4,12 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <mutex>
 
 #include "boxgrasp/base/error.h"
 #include "boxgrasp/base/parallel.h"
 #include "boxgrasp/base/random.h"
+#include "boxgrasp/training/learning.h"
 
 namespace boxgrasp {
 namespace {
@@ -49,18 +51,20 @@ std::vector<Object> objectsOf(const GroupedSamples& data) {
   return objects;
 }
 
-Samples selectOthers(const Samples& samples, const std::vector<Object>& objects, std::size_t test,
-                     std::size_t validation) {
+GroupedSamples allBut(const GroupedSamples& data, const std::vector<Object>& objects, std::size_t test) {
   std::vector<Index> rows;
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    if (i != test && i != validation) rows.insert(rows.end(), objects[i].rows.begin(), objects[i].rows.end());
+    if (i != test) rows.insert(rows.end(), objects[i].rows.begin(), objects[i].rows.end());
   }
-  return selectRows(samples, rows);
+  GroupedSamples others{selectRows(data.samples, rows), {}};
+  for (const Index row : rows) others.objects.push_back(data.objects[static_cast<std::size_t>(row)]);
+  return others;
 }
 
 struct Fold {
   RankingSuccess success;
-  std::size_t validation = 0;
+  VectorXd scores;  // of the test object's rows
+  std::vector<std::string> validation;
 };
 
 Fold runFold(const GroupedSamples& data, const std::vector<Object>& objects, std::size_t test, int repeat,
@@ -69,14 +73,15 @@ Fold runFold(const GroupedSamples& data, const std::vector<Object>& objects, std
                          static_cast<std::uint32_t>(options.seed >> 32), static_cast<std::uint32_t>(test),
                          static_cast<std::uint32_t>(repeat)};
   std::mt19937_64 random(sequence);
-  const std::size_t other = uniformIndex(random, objects.size() - 1);
-  const std::size_t validation = other < test ? other : other + 1;
-  LevenbergMarquardtOptions training = options.training;
-  training.seed = random();
-  const Trained trained = train(selectOthers(data.samples, objects, test, validation),
-                                selectRows(data.samples, objects[validation].rows), training, stop);
+  const LearningOptions learning{.training = options.training,
+                                 .networks = options.networks,
+                                 .calibrate = options.calibrate,
+                                 .seed = random(),
+                                 .threads = 1};
+  const Learnt learnt = learnNetworks(allBut(data, objects, test), learning, {}, stop);
   const Samples unknown = selectRows(data.samples, objects[test].rows);
-  return {rankingSuccess(scores(trained.network, unknown.inputs), unknown.targets), validation};
+  const VectorXd said = scores(learnt.ensemble, unknown.inputs);
+  return {rankingSuccess(said, unknown.targets), said, learnt.stopped_by};
 }
 
 double mean(const std::vector<double>& values) {
@@ -114,10 +119,21 @@ ObjectResult summarise(const std::vector<Object>& objects, std::size_t test, con
   result.mean = meanSuccess(folds);
   for (const Fold& fold : folds) {
     result.s_net.push_back(fold.success.value);
-    result.validation_objects.push_back(objects[fold.validation].name);
+    result.validation_objects.insert(result.validation_objects.end(), fold.validation.begin(),
+                                     fold.validation.end());
   }
   result.deviation = sampleDeviation(result.s_net);
   return result;
+}
+
+MatrixXd scoresOf(const GroupedSamples& data, const std::vector<Object>& objects,
+                  const std::vector<std::vector<Fold>>& folds) {
+  MatrixXd scores(data.samples.targets.size(), static_cast<Index>(folds.front().size()));
+  for (std::size_t test = 0; test < objects.size(); ++test) {
+    for (Index repeat = 0; repeat < scores.cols(); ++repeat)
+      scores(objects[test].rows, repeat) = folds[test][static_cast<std::size_t>(repeat)].scores;
+  }
+  return scores;
 }
 
 void addMeans(CrossValidation& result) {
@@ -135,21 +151,28 @@ void addMeans(CrossValidation& result) {
 void CrossValidationOptions::validate() const {
   training.validate();
   requireOption(repeats >= 1 && repeats <= 10000, "repeats", repeats, "1 to 10000");
+  requireOption(networks >= 1 && networks <= Ensemble::kMaxNetworks, "networks", networks, "1 to 64");
   requireOption(threads >= 0 && threads <= 1024, "threads", threads, "0 to 1024");
 }
 
 CrossValidation leaveOneObjectOut(const GroupedSamples& data, const CrossValidationOptions& options,
-                                  const StopToken& stop) {
+                                  const StopToken& stop,
+                                  const std::function<void(std::size_t, std::size_t)>& progress) {
   const auto begin = std::chrono::steady_clock::now();
   options.validate();
   const std::vector<Object> objects = objectsOf(data);
   const auto repeats = static_cast<std::size_t>(options.repeats);
   std::vector<std::vector<Fold>> folds(objects.size(), std::vector<Fold>(repeats));
+  std::mutex reporting;
+  std::size_t done = 0;
   parallelFor(objects.size() * repeats, options.threads, [&](std::size_t i) {
     const std::size_t test = i / repeats, repeat = i % repeats;
     folds[test][repeat] = runFold(data, objects, test, static_cast<int>(repeat), options, stop);
+    const std::lock_guard lock(reporting);
+    if (progress) progress(++done, objects.size() * repeats);
   });
   CrossValidation result;
+  result.scores = scoresOf(data, objects, folds);
   for (std::size_t test = 0; test < objects.size(); ++test) {
     result.objects.push_back(summarise(objects, test, folds[test]));
   }

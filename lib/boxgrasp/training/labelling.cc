@@ -52,6 +52,38 @@ PlanRequest requestFor(const TriangleMesh& mesh_O, const ModelKey& key, int came
   return request;
 }
 
+struct Planned {
+  PlanResult result;
+  Tally tally;
+  double friction = 0.0;
+};
+
+Planned plan(const HandDescription& hand, const TriangleMesh& mesh_O, const ModelKey& key, int cameras,
+             const LabellingOptions& options, const StopToken& stop) {
+  options.validate();
+  PlannerOptions planner = options.planner;
+  planner.scene.whole = true;
+  const PlanRequest request = requestFor(mesh_O, key, cameras, options, stop);
+  Planned planned{.result = {}, .tally = {}, .friction = request.friction};
+  findHypotheses(hand, planner, request, stop, nullptr, planned.result, planned.tally);
+  stop.check();
+  return planned;
+}
+
+void requireAsPlanned(const ModelKey& key, const std::vector<HypothesisRecord>& known,
+                      const std::vector<Grasp>& grasps) {
+  for (const HypothesisRecord& record : known) {
+    const auto index = static_cast<std::size_t>(record.index);
+    if (index < grasps.size() && grasps[index].quality == record.quality &&
+        grasps[index].X_CP.matrix() == record.X_OP.matrix())
+      continue;
+    throw InputError(fmt::format(
+        "hypothesis {} on {} at scale {} is not what the planner finds there now: another version "
+        "of it made the labels; label again, into a new store",
+        record.index, key.object, key.scale));
+  }
+}
+
 HypothesisRecord recordOf(const Grasp& grasp, std::size_t index, double approach_m) {
   HypothesisRecord record;
   record.index = static_cast<int>(index);
@@ -176,14 +208,7 @@ std::string meshHash(const TriangleMesh& mesh) {
 PlannedModel planModel(const HandDescription& hand, const TriangleMesh& mesh_O, const ModelKey& key,
                        int cameras, const std::vector<GraspSource>& sources, const LabellingOptions& options,
                        const StopToken& stop) {
-  options.validate();
-  PlannerOptions planner = options.planner;
-  planner.scene.whole = true;
-  PlanResult result;
-  Tally tally;
-  findHypotheses(hand, planner, requestFor(mesh_O, key, cameras, options, stop), stop, nullptr, result,
-                 tally);
-  stop.check();
+  const auto [result, tally, friction] = plan(hand, mesh_O, key, cameras, options, stop);
   PlannedModel model;
   model.record.key = key;
   model.record.mesh_hash = meshHash(mesh_O);
@@ -198,6 +223,18 @@ PlannedModel planModel(const HandDescription& hand, const TriangleMesh& mesh_O, 
     }
   }
   return model;
+}
+
+MatrixXd hypothesisMeasures(const HandDescription& hand, const TriangleMesh& mesh_O, const ModelKey& key,
+                            int cameras, const std::vector<HypothesisRecord>& known,
+                            const std::vector<std::string>& features, const LabellingOptions& options,
+                            const StopToken& stop) {
+  const auto [result, tally, friction] = plan(hand, mesh_O, key, cameras, options, stop);
+  requireAsPlanned(key, known, result.grasps);
+  if (result.objects.empty()) return {};
+  std::vector<const Grasp*> grasps;
+  for (const Grasp& grasp : result.grasps) grasps.push_back(&grasp);
+  return graspMeasures(result.objects.front(), grasps, {features, friction, options.planner.threads}, stop);
 }
 
 GraspLabel labelGrasp(const HandDescription& hand, const SimulatedObject& solid, const ModelKey& key,

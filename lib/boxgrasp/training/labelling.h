@@ -53,6 +53,15 @@ PlannedModel planModel(const HandDescription& hand, const TriangleMesh& mesh_O, 
                        int cameras, const std::vector<GraspSource>& sources, const LabellingOptions& options,
                        const StopToken& stop = {});
 
+// What graspMeasures() says of all the planner's hypotheses on it, for networks with these features, planned
+// as planModel() does with the same input: row i belongs to the hypothesis of index i. Throws as planModel();
+// and InputError that names the first of `known` whose pose or quality measures are not as planned anew,
+// because another version of the planner made it.
+MatrixXd hypothesisMeasures(const HandDescription& hand, const TriangleMesh& mesh_O, const ModelKey& key,
+                            int cameras, const std::vector<HypothesisRecord>& known,
+                            const std::vector<std::string>& features, const LabellingOptions& options,
+                            const StopToken& stop = {});
+
 // What ModelRecord::mesh_hash is of this mesh.
 std::string meshHash(const TriangleMesh& mesh);
 

@@ -58,7 +58,12 @@ Eigen::Vector2d leastCrossEntropy(const VectorXd& scores, const VectorXd& outcom
 
 // --- learning
 
-std::vector<std::vector<Index>> rowsByObject(const GroupedSamples& data) {
+struct Object {
+  std::string name;
+  std::vector<Index> rows;
+};
+
+std::vector<Object> objectsOf(const GroupedSamples& data) {
   checkSamples(data.samples, "learning");
   if (static_cast<Index>(data.objects.size()) != data.samples.targets.size()) {
     throw InputError(fmt::format("learning: {} targets and {} object names; give one name a grasp",
@@ -72,8 +77,8 @@ std::vector<std::vector<Index>> rowsByObject(const GroupedSamples& data) {
         "learning: grasps of {} object(s); give those of at least 2: one to learn from, one to stop by",
         rows.size()));
   }
-  std::vector<std::vector<Index>> result;
-  for (auto& [name, indices] : rows) result.push_back(std::move(indices));
+  std::vector<Object> result;
+  for (auto& [name, indices] : rows) result.push_back({name, std::move(indices)});
   return result;
 }
 
@@ -99,10 +104,10 @@ std::vector<Turn> turns(std::size_t objects, const LearningOptions& options) {
   return result;
 }
 
-std::vector<Index> allBut(const std::vector<std::vector<Index>>& objects, std::size_t left_out) {
+std::vector<Index> allBut(const std::vector<Object>& objects, std::size_t left_out) {
   std::vector<Index> rows;
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    if (i != left_out) rows.insert(rows.end(), objects[i].begin(), objects[i].end());
+    if (i != left_out) rows.insert(rows.end(), objects[i].rows.begin(), objects[i].rows.end());
   }
   return rows;
 }
@@ -156,29 +161,37 @@ Calibration fitCalibration(const VectorXd& scores, const VectorXd& outcomes, con
       "calibration off");
 }
 
-Ensemble learn(const GroupedSamples& data, const LearningOptions& options,
-               const std::function<void(std::size_t, std::size_t)>& progress, const StopToken& stop) {
+Learnt learnNetworks(const GroupedSamples& data, const LearningOptions& options,
+                     const std::function<void(std::size_t, std::size_t)>& progress, const StopToken& stop) {
   options.validate();
-  const std::vector<std::vector<Index>> objects = rowsByObject(data);
+  const std::vector<Object> objects = objectsOf(data);
   if (options.calibrate) checkProbabilities(data.samples.targets);
   const std::vector<Turn> plan = turns(objects.size(), options);
-  Ensemble ensemble;
-  ensemble.networks.resize(plan.size());
+  Learnt learnt;
+  learnt.ensemble.networks.resize(plan.size());
+  learnt.trainings.resize(plan.size());
+  for (const Turn& turn : plan) learnt.stopped_by.push_back(objects[turn.left_out].name);
   std::vector<Samples> left_out(plan.size());
   std::mutex mutex;
   std::size_t done = 0;
   parallelFor(plan.size(), options.threads, [&](std::size_t i) {
     LevenbergMarquardtOptions training = options.training;
     training.seed = plan[i].seed;
-    left_out[i] = selectRows(data.samples, objects[plan[i].left_out]);
-    ensemble.networks[i] =
-        train(selectRows(data.samples, allBut(objects, plan[i].left_out)), left_out[i], training, stop)
-            .network;
+    left_out[i] = selectRows(data.samples, objects[plan[i].left_out].rows);
+    Trained trained =
+        train(selectRows(data.samples, allBut(objects, plan[i].left_out)), left_out[i], training, stop);
+    learnt.ensemble.networks[i] = std::move(trained.network);
+    learnt.trainings[i] = std::move(trained.report);
     const std::lock_guard lock(mutex);
     if (progress) progress(++done, plan.size());
   });
-  if (options.calibrate) ensemble.calibration = calibrationOf(ensemble.networks, left_out);
-  return ensemble;
+  if (options.calibrate) learnt.ensemble.calibration = calibrationOf(learnt.ensemble.networks, left_out);
+  return learnt;
+}
+
+Ensemble learn(const GroupedSamples& data, const LearningOptions& options,
+               const std::function<void(std::size_t, std::size_t)>& progress, const StopToken& stop) {
+  return learnNetworks(data, options, progress, stop).ensemble;
 }
 
 }  // namespace boxgrasp

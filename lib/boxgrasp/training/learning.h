@@ -20,12 +20,24 @@ struct LearningOptions {
   void validate() const;
 };
 
+// The networks, and how each was trained.
+struct Learnt {
+  Ensemble ensemble;
+  std::vector<std::string> stopped_by;  // the object that each did not learn from
+  std::vector<TrainingReport> trainings;
+};
+
 // Trains each network on the grasps of all objects but one, which decides when to stop (paper IV.B); the
 // objects take turns in an order chosen by the seed. A calibration is Platt's, fitted to what each network
 // says of the object that it has not learnt from. `progress(done, total)` is called after each network, from
 // one thread at a time. Throws Stopped; InputError for fewer than 2 objects, numbers of names and rows that
 // differ, whatever train() refuses, and, with calibrate, targets outside [0, 1] or scores that do not rise
 // with the targets on the objects left out.
+Learnt learnNetworks(const GroupedSamples& data, const LearningOptions& options,
+                     const std::function<void(std::size_t, std::size_t)>& progress = {},
+                     const StopToken& stop = {});
+
+// The networks alone.
 Ensemble learn(const GroupedSamples& data, const LearningOptions& options,
                const std::function<void(std::size_t, std::size_t)>& progress = {},
                const StopToken& stop = {});

@@ -102,7 +102,7 @@ TEST(PlannerConfig, NamesWrongTypesAndValuesWithTheirPlace) {
   EXPECT_EQ(problemOf("[image]\nborder_px = 9000000000\n"),
             "my.toml:2:13: 'border_px' is 9000000000, which is out of range");
   EXPECT_EQ(problemOf("[decomposition]\nsplit = \"hul\"\n"),
-            "my.toml:2:9: 'split' is \"hul\", but must be one of \"hull\", \"bound\"");
+            "my.toml:2:9: 'split' is \"hul\", but must be one of \"hull\", \"bound\", \"robust\"");
   EXPECT_THAT(problemOf("[clearance]\nopenings_rad = [1, 2]\n"), HasSubstr("must be a list of 4 numbers"));
   EXPECT_EQ(problemOf("scene = 3\n"), "my.toml:1:9: 'scene' must be a section; write [scene]");
 }
