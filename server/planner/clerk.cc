@@ -50,11 +50,11 @@ void Clerk::outcome(grasp_outcome_t message) {
   if (!posted) reply(channel::kOutcomeReply, busy);
 }
 
-void Clerk::answered(plan_response_t answer) {
+void Clerk::answered(plan_response_t answer, AnswerInputs inputs) {
   const std::string id = answer.request_id;
-  const bool posted = background_.post([this, answer = std::move(answer)] {
+  const bool posted = background_.post([this, answer = std::move(answer), inputs = std::move(inputs)] {
     models_.observe(answer);
-    outcomes_.remember(answer);
+    outcomes_.remember(answer, inputs);
   });
   if (!posted) log_("the disk is behind: outcomes of request '" + id + "' cannot be reported");
 }

@@ -31,7 +31,7 @@ class Clerk {
   void outcome(grasp_outcome_t message);
   // An answer that was planned just now: it is remembered for outcomes, and counts in the trial of a new
   // model. To be called before the answer is sent, so that no outcome can be dealt with earlier.
-  void answered(plan_response_t answer);
+  void answered(plan_response_t answer, AnswerInputs inputs);
 
   std::vector<Reply> takeReplies();
   // Nothing waits, runs, or is to be taken.

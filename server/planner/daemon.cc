@@ -152,7 +152,7 @@ class Daemon {
   void publishAnswers() {
     for (const DueAnswer& answer : service_.takeAnswers()) {
       const auto response = decoded<plan_response_t>(*answer.bytes);
-      if (answer.fresh) clerk_.answered(response);
+      if (answer.fresh) clerk_.answered(response, answer.inputs);
       bus_.publish(channel::kPlanResponse, LcmBus::Bytes(*answer.bytes));
       spdlog::info("{}: {} ({:.2f} s): {}", printable(response.request_id), outcomeName(response.outcome),
                    response.time_s, printable(response.message));

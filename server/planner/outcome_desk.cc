@@ -2,30 +2,20 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Core>
-#include <algorithm>
-
 #include "boxgrasp/messaging/plan_conversion.h"
-#include "boxgrasp/planning/features.h"
 
 namespace boxgrasp {
 namespace {
 
-// L of the features: half the diagonal of the object's root box.
-double sizeOf(const plan_response_t& answer, std::int32_t object) {
-  const auto root = std::find_if(answer.boxes.begin(), answer.boxes.end(),
-                                 [&](const box_t& box) { return box.parent < 0 && box.object == object; });
-  return root == answer.boxes.end() ? NAN : Eigen::Map<const Eigen::Vector3d>(root->extents_m).norm() / 2;
-}
-
-RememberedAnswer remembered(const plan_response_t& answer, const std::string& hand) {
-  RememberedAnswer result{answer.request_id, answer.utime, {answer.model_version, hand, ""}, {}};
-  for (const grasp_t& grasp : answer.grasps) {
-    RememberedGrasp& entry = result.grasps.emplace_back();
-    std::copy(std::begin(grasp.quality), std::end(grasp.quality), entry.quality.begin());
-    entry.size_m = sizeOf(answer, grasp.object);
-    entry.score = grasp.score;
-  }
+RememberedAnswer remembered(const plan_response_t& answer, const AnswerInputs& inputs,
+                            const std::string& hand) {
+  RememberedAnswer result{
+      answer.request_id,
+      answer.utime,
+      {answer.model_version, fmt::format("{}", fmt::join(inputs.features, " ")), hand, ""},
+      {}};
+  for (std::size_t i = 0; i < answer.grasps.size(); ++i)
+    result.grasps.push_back({inputs.grasps.at(i), answer.grasps[i].score});
   return result;
 }
 
@@ -80,8 +70,8 @@ OutcomeStore& OutcomeDesk::opened() {
   return *store_;
 }
 
-void OutcomeDesk::remember(const plan_response_t& answer) {
-  if (!file_.empty() && !answer.grasps.empty()) opened().rememberAnswer(remembered(answer, hand_));
+void OutcomeDesk::remember(const plan_response_t& answer, const AnswerInputs& inputs) {
+  if (!file_.empty() && !answer.grasps.empty()) opened().rememberAnswer(remembered(answer, inputs, hand_));
 }
 
 outcome_reply_t OutcomeDesk::store(const grasp_outcome_t& outcome) {

@@ -7,6 +7,7 @@
 
 #include "boxgrasp/messaging/codec.h"
 #include "boxgrasp/store/outcome_store.h"
+#include "plan_service.h"
 
 namespace boxgrasp {
 
@@ -17,8 +18,9 @@ class OutcomeDesk {
   // file: of the outcome store; empty: none, and nothing can be reported.
   OutcomeDesk(std::filesystem::path file, std::string hand);
 
-  // Remembers an answer that has grasps, so that their outcomes can be reported. Throws InputError.
-  void remember(const plan_response_t& answer);
+  // Remembers an answer that has grasps, so that their outcomes can be reported. Throws InputError. Pre:
+  // inputs of each of its grasps.
+  void remember(const plan_response_t& answer, const AnswerInputs& inputs);
   // The reply says "stored" when the outcome is on disk. Never throws for what a robot sent.
   outcome_reply_t store(const grasp_outcome_t& outcome);
 

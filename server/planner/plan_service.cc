@@ -44,6 +44,12 @@ bool isWorthKeeping(std::int8_t outcome) {
 constexpr char kNoMemory[] =
     "the server has not enough memory for this cloud; thin it, or give the server more";
 
+AnswerInputs inputsOf(const PlanResult& result, const Model& model) {
+  AnswerInputs inputs{model.features, {}};
+  for (const Grasp& grasp : result.grasps) inputs.grasps.push_back(grasp.inputs);
+  return inputs;
+}
+
 }  // namespace
 
 PlanService::PlanService(PlannerPtr planner, const ServerOptions& options, std::function<void()> wake)
@@ -86,7 +92,7 @@ void PlanService::request(Bytes bytes) try {
     return refuse(plan_response_t::BAD_INPUT,
                   "this request_id was used for another request; choose a new one", job->request);
   if (known || twin) ++repeated_;
-  if (known) return send(known->answer, false);
+  if (known) return send({known->answer, false});
   if (twin) return;
   if (closed_ || full(*job))
     return refuse(plan_response_t::OVERLOADED,
@@ -127,8 +133,8 @@ void PlanService::cancel(const std::string& request_id) {
   const JobPtr job = *waiting;
   queue_.erase(waiting);
   finish(*job,
-         refusal(plan_response_t::CANCELLED, "cancelled before it was begun", job->id(),
-                 job->request.cloud.frame_name),
+         {refusal(plan_response_t::CANCELLED, "cancelled before it was begun", job->id(),
+                  job->request.cloud.frame_name)},
          *planner_);
 }
 
@@ -200,29 +206,30 @@ void PlanService::work() {
     running_.push_back(job);
     const PlannerPtr planner = planner_;
     lock.unlock();
-    plan_response_t response = answerTo(*job, *planner);
+    Answer answer = answerTo(*job, *planner);
     lock.lock();
     std::erase(running_, job);
-    if (response.outcome != plan_response_t::DEADLINE) latencies_.add(secondsSince(job->arrival));
-    finish(*job, std::move(response), *planner);
+    if (answer.response.outcome != plan_response_t::DEADLINE) latencies_.add(secondsSince(job->arrival));
+    finish(*job, std::move(answer), *planner);
   }
 }
 
-plan_response_t PlanService::answerTo(Job& job, const GraspPlanner& planner) {
+PlanService::Answer PlanService::answerTo(Job& job, const GraspPlanner& planner) {
   const std::string frame = job.request.cloud.frame_name;
   try {
     const PlanRequest request = fromMessage(job.request);
     if (std::isnan(job.request.deadline_s))
       throw InputError("request: deadline_s is nan, but must be a number");
     job.request.cloud.data = {};  // the planner has its own copy
-    return toMessage(planner.plan(request, StopToken(job.deadline, job.cancelled)), job.id(), frame);
+    const PlanResult result = planner.plan(request, StopToken(job.deadline, job.cancelled));
+    return {toMessage(result, job.id(), frame), inputsOf(result, planner.model())};
   } catch (const InputError& error) {
-    return refusal(plan_response_t::BAD_INPUT, error.what(), job.id(), frame);
+    return {refusal(plan_response_t::BAD_INPUT, error.what(), job.id(), frame)};
   } catch (const std::bad_alloc&) {
-    return refusal(plan_response_t::INTERNAL_ERROR, kNoMemory, job.id(), frame);
+    return {refusal(plan_response_t::INTERNAL_ERROR, kNoMemory, job.id(), frame)};
   } catch (const std::exception& error) {
-    return refusal(plan_response_t::INTERNAL_ERROR, fmt::format("internal error: {}", error.what()), job.id(),
-                   frame);
+    return {refusal(plan_response_t::INTERNAL_ERROR, fmt::format("internal error: {}", error.what()),
+                    job.id(), frame)};
   }
 }
 
@@ -246,17 +253,18 @@ const PlanService::Job* PlanService::inFlight(const std::string& request_id) con
   return nullptr;
 }
 
-void PlanService::finish(const Job& job, plan_response_t response, const GraspPlanner& planner) {
+void PlanService::finish(const Job& job, Answer due, const GraspPlanner& planner) {
+  plan_response_t& response = due.response;
   response.utime = utimeNow();
   response.model_version = planner.model().version;
   ++outcomes_.at(response.outcome);
   const auto answer = std::make_shared<const std::vector<std::uint8_t>>(encoded(response));
   if (!job.fromChannel() && isWorthKeeping(response.outcome)) memory_.keep({job.id(), job.digest, answer});
-  send(answer);
+  send({answer, true, std::move(due.inputs)});
 }
 
-void PlanService::send(EncodedAnswer answer, bool fresh) {
-  outbox_.push_back({std::move(answer), fresh});
+void PlanService::send(DueAnswer answer) {
+  outbox_.push_back(std::move(answer));
   wake_();
 }
 
@@ -265,7 +273,7 @@ void PlanService::refuse(std::int8_t outcome, const std::string& message, const 
   response.utime = utimeNow();
   response.model_version = planner_->model().version;
   ++outcomes_.at(outcome);
-  send(std::make_shared<const std::vector<std::uint8_t>>(encoded(response)));
+  send({std::make_shared<const std::vector<std::uint8_t>>(encoded(response))});
 }
 
 void PlanService::expire() {
@@ -275,8 +283,8 @@ void PlanService::expire() {
   queue_.erase(late, queue_.end());
   for (const JobPtr& job : expired)
     finish(*job,
-           refusal(plan_response_t::DEADLINE, "the deadline passed while the request waited in the queue",
-                   job->id(), job->request.cloud.frame_name),
+           {refusal(plan_response_t::DEADLINE, "the deadline passed while the request waited in the queue",
+                    job->id(), job->request.cloud.frame_name)},
            *planner_);
 }
 

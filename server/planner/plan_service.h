@@ -25,10 +25,17 @@ namespace boxgrasp {
 
 using PlannerPtr = std::shared_ptr<const GraspPlanner>;
 
+// What the network was fed for each grasp of an answer: what can be learnt from when outcomes come.
+struct AnswerInputs {
+  std::vector<std::string> features;
+  std::vector<std::vector<double>> grasps;
+};
+
 // An encoded plan_response_t. Not fresh: given before, and repeated for a request that came again.
 struct DueAnswer {
   EncodedAnswer bytes;
   bool fresh = true;
+  AnswerInputs inputs = {};  // of a fresh answer with grasps
 };
 
 // Plans on a pool of threads. Every request gets one answer: at once when it is refused, known already, or
@@ -90,13 +97,17 @@ class PlanService {
 
   JobPtr makeJob(plan_request_t request, std::string digest) const;
   void work();
-  static plan_response_t answerTo(Job& job, const GraspPlanner& planner);
+  struct Answer {
+    plan_response_t response;
+    AnswerInputs inputs = {};
+  };
+  static Answer answerTo(Job& job, const GraspPlanner& planner);
   // The following expect the lock to be held.
   void enqueue(JobPtr job);
   bool full(const Job& next) const;
   const Job* inFlight(const std::string& request_id) const;
-  void finish(const Job& job, plan_response_t response, const GraspPlanner& planner);
-  void send(EncodedAnswer answer, bool fresh = true);
+  void finish(const Job& job, Answer answer, const GraspPlanner& planner);
+  void send(DueAnswer answer);
   void refuse(std::int8_t outcome, const std::string& message, const plan_request_t& request);
   void expire();
 

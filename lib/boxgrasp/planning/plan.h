@@ -62,6 +62,7 @@ struct Grasp {
   std::array<SurfaceContact, 3> contacts;  // by finger: F1, F2, F3 (thumb)
   Vector3d approach_C = Vector3d::Zero();  // unit
   QualityMeasures quality{};
+  std::vector<double> inputs;  // what the network was fed, in the order of the model's features
   int object = -1, box = -1,
       face = -1;  // indices: object of the scene; node of its tree; 2 * axis + (sign > 0)
   HandConfiguration configuration;

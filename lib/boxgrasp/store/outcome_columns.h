@@ -8,13 +8,13 @@ namespace boxgrasp {
 
 void visitColumns(IsA<AnswerOrigin> auto& origin, auto&& visit) {
   visit("model_version", origin.model_version);
+  visit("features", origin.features);
   visit("hand", origin.hand);
   visit("object", origin.object);
 }
 
 void visitColumns(IsA<RememberedGrasp> auto& grasp, auto&& visit) {
-  visitColumns(grasp.quality, visit);
-  visit("size_m", grasp.size_m);
+  visit("inputs", grasp.inputs);
   visit("score", grasp.score);
 }
 

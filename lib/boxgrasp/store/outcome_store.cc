@@ -13,18 +13,19 @@ namespace {
 constexpr FileKind kKind{
     "outcome store", 0x62786f75, 1,
     "CREATE TABLE answers (answer INTEGER PRIMARY KEY AUTOINCREMENT, request_id TEXT NOT NULL UNIQUE,"
-    " utime INTEGER NOT NULL, model_version TEXT NOT NULL, hand TEXT NOT NULL, object TEXT NOT NULL,"
+    " utime INTEGER NOT NULL, model_version TEXT NOT NULL, features TEXT NOT NULL, hand TEXT NOT NULL, "
+    "object TEXT NOT NULL,"
     " reported INTEGER NOT NULL DEFAULT 0) STRICT;"
     "CREATE TABLE answered_grasps (answer INTEGER NOT NULL REFERENCES answers ON DELETE CASCADE,"
     " grasp_index INTEGER NOT NULL,"
-    " q1 ANY, q2 ANY, q3 ANY, q4 ANY, q5 ANY, q6 ANY, q7 ANY, q8 ANY, q9 ANY, size_m ANY, score ANY,"
+    " inputs TEXT NOT NULL, score ANY,"
     " PRIMARY KEY (answer, grasp_index)) STRICT, WITHOUT ROWID;"
     // What was predicted is copied here, because answers are replaced and forgotten.
     "CREATE TABLE outcomes (id INTEGER PRIMARY KEY AUTOINCREMENT, request_id TEXT NOT NULL,"
     " grasp_index INTEGER NOT NULL, robot TEXT NOT NULL, succeeded INTEGER NOT NULL, what TEXT NOT NULL,"
     " forces_n TEXT NOT NULL, utime INTEGER NOT NULL, weight ANY,"
-    " model_version TEXT NOT NULL, hand TEXT NOT NULL, object TEXT NOT NULL,"
-    " q1 ANY, q2 ANY, q3 ANY, q4 ANY, q5 ANY, q6 ANY, q7 ANY, q8 ANY, q9 ANY, size_m ANY, score ANY,"
+    " model_version TEXT NOT NULL, features TEXT NOT NULL, hand TEXT NOT NULL, object TEXT NOT NULL,"
+    " inputs TEXT NOT NULL, score ANY,"
     " UNIQUE (request_id, grasp_index, robot)) STRICT;"
     "CREATE TABLE progress (name TEXT NOT NULL PRIMARY KEY, value TEXT NOT NULL) STRICT;",
     "restore it from a copy, or move it away to begin a new one"};

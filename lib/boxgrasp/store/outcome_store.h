@@ -2,7 +2,6 @@
 // daemon hears and the worker learns from.
 #pragma once
 
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
@@ -12,7 +11,6 @@
 #include <string_view>
 #include <vector>
 
-#include "boxgrasp/quality/measures.h"
 #include "boxgrasp/store/store_error.h"
 
 namespace boxgrasp {
@@ -21,14 +19,14 @@ class Database;
 
 // What a model says of a grasp, and from what.
 struct RememberedGrasp {
-  QualityMeasures quality{};  // q1 .. q9
-  double size_m = NAN;        // L of the features
+  std::vector<double> inputs;  // of the network, in the order of AnswerOrigin::features
   double score = NAN;
 };
 
 // What made the answer.
 struct AnswerOrigin {
   std::string model_version;
+  std::string features;  // of the model, joined by spaces
   std::string hand;
   std::string object;  // its label; empty: unknown
 };
