@@ -20,6 +20,7 @@
 #include "stability_command.h"
 #include "summary_command.h"
 #include "train_command.h"
+#include "work_command.h"
 
 namespace {
 
@@ -63,6 +64,26 @@ void addStudy(CLI::App& app, StudyCommand& command) {
   app.add_option("--threads", command.threads, "0 = all cores; the result does not depend on it")
       ->capture_default_str();
   app.add_option("--hand", command.hand, "hand description file (TOML); the Barrett hand if none is given");
+}
+
+void addWork(CLI::App& app, WorkCommand& command) {
+  addStudy(app, command.study);
+  app.add_option("--outcomes", command.outcomes,
+                 "what robots reported: outcomes.db in the server's state folder")
+      ->required();
+  app.add_option("--keep", command.keep, "folder for every candidate and its comparison")
+      ->capture_default_str();
+  app.add_option("--state-dir", command.state_dir, "of the server, for the weights of the models it uses");
+  app.add_option("--key", command.key, "to publish with; without one nothing is published");
+  app.add_option("--lcm-url", command.lcm_url, "LCM's address, where the server is")->capture_default_str();
+  app.add_option("--after", command.after, "train after this many new outcomes; 0: not for outcomes")
+      ->capture_default_str();
+  app.add_option("--every-h", command.every_h, "train at least this often, hours; 0: not by the clock")
+      ->capture_default_str();
+  app.add_option("--held-out-one-in", command.held_out_one_in,
+                 "one object and one request in so many is kept out of training, to judge by")
+      ->capture_default_str();
+  app.add_flag("--once", command.once, "train now, and end");
 }
 
 void addTrain(CLI::App& app, TrainCommand& command) {
@@ -296,6 +317,10 @@ int main(int argc, char** argv) {
   CLI::App* summary_app = app.add_subcommand("summary", "print what an experience store holds");
   addSummary(*summary_app, summary);
   addTrain(*train_app, train);
+  WorkCommand work;
+  CLI::App* work_app = app.add_subcommand(
+      "work", "retrain in the background with what robots report, and publish what is better");
+  addWork(*work_app, work);
   EvaluateCommand evaluate;
   CLI::App* evaluate_app =
       app.add_subcommand("evaluate", "measure how well learning ranks grasps of objects never seen");
@@ -307,6 +332,7 @@ int main(int argc, char** argv) {
     return app.exit(error) == 0 ? kDone : kUsage;
   }
   try {
+    if (work_app->parsed()) return runWork(work);
     if (train_app->parsed()) runTrain(train, commandLine(argc, argv));
     if (evaluate_app->parsed()) runEvaluate(evaluate);
     if (sample_app->parsed()) runSample(sample);
