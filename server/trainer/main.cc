@@ -48,13 +48,14 @@ void addStudy(CLI::App& app, StudyCommand& command) {
          "product")
       ->capture_default_str();
   app.add_option(
-         "--inputs", command.inputs,
-         "'chosen': what ranks best; 'paper': q1 to q9; 'relative': these without their units; 'all'; "
-         "or a list of features, separated by commas")
+      "--inputs", command.inputs,
+      "'paper': q1 to q9; 'relative': these without their units; 'all': all that is measured, and its "
+      "places among an object's grasps; or a list of features, separated by commas; if none is given, "
+      "all with a store, else relative");
+  app.add_option("--hidden", command.hidden,
+                 "nodes of each hidden layer (the paper: 8); 0 for a linear model")
       ->capture_default_str();
-  app.add_option("--hidden", command.hidden, "nodes of each hidden layer; 0 for a linear model")
-      ->capture_default_str();
-  app.add_option("--ensemble", command.networks, "networks whose outputs are averaged; 1 as in the paper")
+  app.add_option("--ensemble", command.networks, "networks whose outputs are averaged (the paper: 1)")
       ->capture_default_str();
   app.add_option("--starts", command.starts, "first weights to try for each network")->capture_default_str();
   app.add_option("--repeats", command.repeats, "repeats of the leave-one-object-out validation")

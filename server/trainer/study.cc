@@ -20,14 +20,7 @@ namespace {
 
 constexpr int kChanceRepeats = 200;
 
-// What ranked best on objects left out, of the sets that were tried: the network's size grows with the square
-// of its inputs, and few labels do not carry many.
-const std::vector<std::string> kChosen{
-    "rank(q1)",  "rank(q3)",           "rank(q8)", "rank(q9)", "rank(epsilon)", "rank(nu)", "share(epsilon)",
-    "share(nu)", "rank(epsilon_half)", "epsilon",  "nu",       "center/L"};
-
-std::vector<std::string> featuresOf(const std::string& inputs) {
-  if (inputs == "chosen") return kChosen;
+std::vector<std::string> listOf(const std::string& inputs) {
   if (inputs == "paper") return paperFeatures();
   if (inputs == "relative") return relativeFeatures();
   if (inputs == "all") return allFeatures();
@@ -35,6 +28,17 @@ std::vector<std::string> featuresOf(const std::string& inputs) {
   std::istringstream text(inputs);
   for (std::string feature; std::getline(text, feature, ',');) features.push_back(feature);
   checkFeatures(features);
+  return features;
+}
+
+std::vector<std::string> featuresOf(const StudyCommand& command) {
+  if (command.inputs.empty()) return command.store ? allFeatures() : relativeFeatures();
+  std::vector<std::string> features = listOf(command.inputs);
+  if (!command.store && asksForWrenches(features))
+    throw InputError(fmt::format(
+        "--inputs {} has epsilon or nu, but without --store the labels are computed from these: the network "
+        "would learn its own input; choose 'paper' or 'relative'",
+        command.inputs));
   return features;
 }
 
@@ -168,7 +172,7 @@ std::string row(const RankingVerdict& verdict) {
 StudyData studyData(const StudyCommand& command, const StopToken& stop) {
   const HandDescription hand = command.hand ? readHandDescription(*command.hand) : barrettHand();
   StudyData data;
-  data.features = featuresOf(command.inputs);
+  data.features = featuresOf(command);
   data.target = targetOf(command.target);
   if (!command.store && data.target != LearningTarget::success)
     throw InputError(fmt::format("--target {} needs --store: computed labels know s alone", command.target));

@@ -22,10 +22,10 @@ struct StudyCommand {
   std::vector<std::string> objects;  // names; empty: all
   std::size_t points = 30'000;       // on each object, without a store
   std::string target = "s";          // or "hold", "both"
-  std::string inputs = "chosen";     // or "paper", "relative", "all", or features separated by commas
-  std::vector<int> hidden = {8};
-  int networks = 1;
-  int starts = 3;    // of each network
+  std::string inputs;  // "paper", "relative", "all", or features separated by commas; empty: what ranks best
+  std::vector<int> hidden = {2};
+  int networks = 10;
+  int starts = 1;    // of each network
   int repeats = 10;  // of the leave-one-object-out validation
   std::uint64_t seed = 1;
   int threads = 0;  // 0 = all cores; results do not depend on it

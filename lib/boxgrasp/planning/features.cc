@@ -21,13 +21,13 @@ struct Measure {
   std::string_view name;
   int power;
 };
-constexpr Measure kMeasures[] = {
-    {"q1", 2},         {"q2", 0},       {"q3", 0},           {"q4", 1},         {"q5", 0},
-    {"q6", 1},         {"q7", 1},       {"q8", 2},           {"q9", 1},         {"size", 1},
-    {"epsilon", 0},    {"nu", 0},       {"epsilon_half", 0}, {"balance", 0},    {"center", 1},
-    {"center_off", 1}, {"span_min", 1}, {"span_max", 1},     {"spread_out", 1}, {"depth", 1},
-    {"palm", 1},       {"spread", 0},   {"finger_bend", 0},  {"thumb_bend", 0}, {"thumb_angle", 0},
-    {"focus_area", 2}, {"level", 0},    {"leaf", 0},         {"seen", 0}};
+constexpr Measure kMeasures[] = {{"q1", 2},         {"q2", 0},          {"q3", 0},         {"q4", 1},
+                                 {"q5", 0},         {"q6", 1},          {"q7", 1},         {"q8", 2},
+                                 {"q9", 1},         {"size", 1},        {"epsilon", 0},    {"nu", 0},
+                                 {"balance", 0},    {"center", 1},      {"center_off", 1}, {"span_min", 1},
+                                 {"span_max", 1},   {"spread_out", 1},  {"depth", 1},      {"palm", 1},
+                                 {"spread", 0},     {"finger_bend", 0}, {"thumb_bend", 0}, {"thumb_angle", 0},
+                                 {"focus_area", 2}, {"level", 0},       {"leaf", 0},       {"seen", 0}};
 constexpr Index kCount = std::size(kMeasures);
 constexpr std::string_view kSuffixes[] = {"", "/L", "/L2"};
 
@@ -115,6 +115,10 @@ std::vector<std::string> paperFeaturesWith(bool relative) {
 
 // --- measures
 
+// Of the friction cones: few, because time grows with the cube of their number, and the order of grasps
+// hardly changes.
+constexpr int kConeEdges = 6;
+
 // What the grasps of an object are measured against.
 struct Reference {
   Vector3d center_C = Vector3d::Zero();
@@ -131,16 +135,6 @@ Reference referenceOf(const PlannedObject& object) {
     reference.radius_m = std::max(reference.radius_m, (object.cloud_C.point(i) - reference.center_C).norm());
   }
   return reference;
-}
-
-GraspQuality wrenchQuality(const Grasp& grasp, const Reference& reference, double friction) {
-  WrenchOptions options;
-  options.friction = friction;
-  options.p_CG = reference.center_C;
-  options.torque_scale_m = reference.radius_m;
-  std::vector<Contact> contacts;
-  for (const SurfaceContact& contact : grasp.contacts) contacts.push_back({contact.p_C, contact.normal_C});
-  return graspQuality(contacts, options);
 }
 
 // Of one grasp, by name.
@@ -183,30 +177,27 @@ void measureHand(const Grasp& grasp, const BoxNode& box, Row& row) {
   row.set("leaf", box.leaf());
 }
 
-// Which of the costly measures are asked for.
-struct Costly {
-  bool wrench, half;
-};
-
-Costly costlyAmong(const std::vector<std::string>& features) {
-  const auto asked = [&](std::string_view name) {
-    return std::ranges::any_of(features,
-                               [&](const auto& feature) { return known(feature).column == columnOf(name); });
-  };
-  return {asked("epsilon") || asked("nu"), asked("epsilon_half")};
-}
-
-void measureWrenches(const Grasp& grasp, const Reference& reference, double friction, const Costly& costly,
-                     Row& row) {
-  if (costly.wrench) {
-    const GraspQuality quality = wrenchQuality(grasp, reference, friction);
-    row.set("epsilon", quality.epsilon);
-    row.set("nu", quality.volume);
-  }
-  if (costly.half) row.set("epsilon_half", wrenchQuality(grasp, reference, friction / 2).epsilon);
+void measureWrenches(const Grasp& grasp, const Reference& reference, double friction, Row& row) {
+  WrenchOptions options;
+  options.friction = friction;
+  options.cone_edges = kConeEdges;
+  options.p_CG = reference.center_C;
+  options.torque_scale_m = reference.radius_m;
+  std::vector<Contact> contacts;
+  for (const SurfaceContact& contact : grasp.contacts) contacts.push_back({contact.p_C, contact.normal_C});
+  const GraspQuality quality = graspQuality(contacts, options);
+  row.set("epsilon", quality.epsilon);
+  row.set("nu", quality.volume);
 }
 
 }  // namespace
+
+bool asksForWrenches(const std::vector<std::string>& features) {
+  return std::ranges::any_of(features, [](const std::string& feature) {
+    const Index asked = known(feature).column;
+    return asked == columnOf("epsilon") || asked == columnOf("nu");
+  });
+}
 
 std::vector<std::string> measureNames() {
   std::vector<std::string> names;
@@ -239,7 +230,7 @@ double objectSize(const PlannedObject& object) { return object.tree.nodes.front(
 MatrixXd graspMeasures(const PlannedObject& object, const std::vector<const Grasp*>& grasps,
                        const MeasuringOptions& options, const StopToken& stop) {
   const Reference reference = referenceOf(object);
-  const Costly costly = costlyAmong(options.features);
+  const bool wrenches = asksForWrenches(options.features);
   // A grasp a row in memory, so that threads write apart.
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> measures =
       MatrixXd::Zero(static_cast<Index>(grasps.size()), kCount);
@@ -252,7 +243,7 @@ MatrixXd graspMeasures(const PlannedObject& object, const std::vector<const Gras
     row.set("size", reference.size_m);
     measureContacts(grasp, reference, row);
     measureHand(grasp, object.tree.nodes[static_cast<std::size_t>(grasp.box)], row);
-    measureWrenches(grasp, reference, options.friction, costly, row);
+    if (wrenches) measureWrenches(grasp, reference, options.friction, row);
   });
   return measures;
 }

@@ -13,8 +13,7 @@ namespace boxgrasp {
 //   q1 .. q9      the quality measures (paper III.D)
 //   size          L
 //   epsilon, nu   of the planned contacts, about the cloud's centre, with the plan's friction; torques are
-//                 divided by the largest distance of a point from it, and cones have 8 edges
-//   epsilon_half  epsilon with half of that friction: what is left where the surface is smoother than thought
+//                 divided by the largest distance of a point from it, and cones have 6 edges
 //   balance       length of the sum of the three contact normals; 0 where pushes of one force cancel
 //   center        distance of the mean contact from the cloud's centre: the arm of gravity
 //   center_off    its part across the approach
@@ -49,8 +48,12 @@ void checkFeatures(const std::vector<std::string>& features);
 // L, metres.
 double objectSize(const PlannedObject& object);
 
-// The measures of grasps on one object, a row each. Measures that take long (epsilon, nu, epsilon_half; up to
-// 0.3 ms a grasp each) and that no feature asks for are 0. Throws Stopped. Pre: features that are known.
+// Whether one of them needs epsilon or nu, the measures that take long: some 0.09 ms a grasp. As
+// checkFeatures().
+bool asksForWrenches(const std::vector<std::string>& features);
+
+// The measures of grasps on one object, a row each; epsilon and nu are 0 where no feature asks for them.
+// Throws Stopped. Pre: features that are known.
 struct MeasuringOptions {
   std::vector<std::string> features = allFeatures();
   double friction = 0.4;

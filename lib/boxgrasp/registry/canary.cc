@@ -20,12 +20,11 @@ constexpr double kHarmless_s = 50e-6;
 
 // What the measures of real grasps reach, in their units; of those that are not here, 1.
 const std::map<std::string, double> kLargest{
-    {"q1", 5e-3},         {"q4", 0.1},           {"q5", 1.5},          {"q6", 0.1},
-    {"q7", 0.05},         {"q8", 1e-3},          {"q9", 0.1},          {"epsilon", 0.3},
-    {"nu", 0.1},          {"epsilon_half", 0.2}, {"center", 0.1},      {"center_off", 0.1},
-    {"span_min", 0.1},    {"span_max", 0.2},     {"spread_out", 0.05}, {"depth", 0.12},
-    {"palm", 0.2},        {"spread", 3.1},       {"finger_bend", 2.4}, {"thumb_bend", 2.4},
-    {"thumb_angle", 0.4}, {"focus_area", 5e-3},  {"level", 4.0}};
+    {"q1", 5e-3},         {"q4", 0.1},       {"q5", 1.5},          {"q6", 0.1},          {"q7", 0.05},
+    {"q8", 1e-3},         {"q9", 0.1},       {"epsilon", 0.3},     {"nu", 0.1},          {"center", 0.1},
+    {"center_off", 0.1},  {"span_min", 0.1}, {"span_max", 0.2},    {"spread_out", 0.05}, {"depth", 0.12},
+    {"palm", 0.2},        {"spread", 3.1},   {"finger_bend", 2.4}, {"thumb_bend", 2.4},  {"thumb_angle", 0.4},
+    {"focus_area", 5e-3}, {"level", 4.0}};
 
 double largest(const std::string& measure) {
   const auto found = kLargest.find(measure);
