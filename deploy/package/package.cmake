@@ -57,7 +57,8 @@ install(FILES ${CMAKE_CURRENT_LIST_DIR}/lintian-overrides DESTINATION ${CMAKE_IN
         RENAME boxgrasp)
 
 # The service.
-install(FILES ${PROJECT_SOURCE_DIR}/deploy/systemd/boxgrasp-server.service DESTINATION lib/systemd/system)
+install(FILES ${PROJECT_SOURCE_DIR}/deploy/systemd/boxgrasp-server.service
+              ${PROJECT_SOURCE_DIR}/deploy/systemd/boxgrasp-worker.service DESTINATION lib/systemd/system)
 install(FILES ${PROJECT_SOURCE_DIR}/deploy/systemd/boxgrasp.sysusers DESTINATION lib/sysusers.d
         RENAME boxgrasp.conf)
 
