@@ -186,7 +186,7 @@ void measureWrenches(const Grasp& grasp, const Reference& reference, double fric
   std::vector<Contact> contacts;
   for (const SurfaceContact& contact : grasp.contacts) contacts.push_back({contact.p_C, contact.normal_C});
   const GraspQuality quality = graspQuality(contacts, options);
-  row.set("epsilon", quality.epsilon);
+  row.set("epsilon", std::max(quality.epsilon, 0.0));
   row.set("nu", quality.volume);
 }
 

@@ -13,7 +13,8 @@ namespace boxgrasp {
 //   q1 .. q9      the quality measures (paper III.D)
 //   size          L
 //   epsilon, nu   of the planned contacts, about the cloud's centre, with the plan's friction; torques are
-//                 divided by the largest distance of a point from it, and cones have 6 edges
+//                 divided by the largest distance of a point from it, and cones have 6 edges;
+//                 epsilon is 0 where these are not in force closure
 //   balance       length of the sum of the three contact normals; 0 where pushes of one force cancel
 //   center        distance of the mean contact from the cloud's centre: the arm of gravity
 //   center_off    its part across the approach
