@@ -67,14 +67,26 @@ class PlanarSearch {
     }
     // F1 and F2 stand beyond their spread axes: their lines of push come from outside.
     const double B1 = c1.a - hand_.spread_offset, B2 = -c2.a - hand_.spread_offset;
-    if (B1 < 0 || B2 < 0) return ReachRejection::spread_or_side;
     PlanarSolution solution{angle, h, {f1, f2, thumb_}, 0.0, {}, 0.0};
     const std::size_t before = solutions.size();
-    auto reason = solveExactly(solution, {B1, c1.b}, {B2, c2.b}, solutions);
+    std::optional<ReachRejection> reason = ReachRejection::spread_or_side;
+    if (std::max(std::abs(B1), std::abs(B2)) < tolerance::kSymmetricFingers)
+      reason = solveParallel(solution, c1.b, c2.b, solutions);
+    if (B1 < 0 || B2 < 0) return solutions.size() > before ? std::nullopt : reason;
+    reason = std::max(reason, solveExactly(solution, {B1, c1.b}, {B2, c2.b}, solutions));
     const double apart_a = std::abs(B1 - B2), apart_b = std::abs(c1.b - c2.b);
     if (apart_a < tolerance::kSymmetricFingers && apart_b < tolerance::kSymmetricFingers)
       reason = std::max(reason, sweepSpread(solution, {B1, c1.b}, {B2, c2.b}, solutions));
     return solutions.size() > before ? std::nullopt : reason;
+  }
+
+  // F1's and F2's points are straight ahead of their spread axes: the fingers stay parallel, whatever the
+  // palm's place along them. It is put midway, where all three are closed alike and end at one depth.
+  std::optional<ReachRejection> solveParallel(PlanarSolution solution, double b1, double b2,
+                                              std::vector<PlanarSolution>& solutions) const {
+    const double s = 0.25 * (b1 + b2);
+    solution.reach = {b1 - s, b2 - s, s};
+    return check(solution, {0.0, 1.0}, solutions);
   }
 
   // The mirror image of F2's point in the thumb's axis, F1's point and the spread axis lie on one line.

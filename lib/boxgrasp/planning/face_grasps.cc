@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "boxgrasp/synthesis/pinches.h"
 #include "boxgrasp/wrench/grasp_wrench_space.h"
 
 namespace boxgrasp {
@@ -34,6 +35,11 @@ std::vector<Triplet> tripletsOf(const FaceWork& work, const FaceImage& image,
                                 const std::vector<Region>& regions, Tally& tally) {
   const StageTimer timer(tally, StageId::triplets);
   Triplets found = findTriplets(regions, image, work.options.triplets, work.stop);
+  if (work.options.triplets.pinches) {
+    const std::vector<Triplet> pinches =
+        findPinches(regions, image, 2 * work.hand.spread_offset, work.options.triplets, work.stop);
+    found.triplets.insert(found.triplets.end(), pinches.begin(), pinches.end());
+  }
   tally.count(StageId::triplets, found.counts.considered, found.triplets.size());
   tally.reject("triplet: normals do not span the plane", found.counts.not_spanning);
   tally.reject("triplet: friction cones do not meet", found.counts.cones_apart);

@@ -91,8 +91,9 @@ void read(Section section, RegionOptions& options) {
 }
 
 void read(Section section, TripletOptions& options) {
-  auto& [friction, end_margin_m, max_triplets] = options;
-  section("end_margin_m", end_margin_m)("max_triplets", max_triplets);  // the friction is the request's
+  auto& [friction, end_margin_m, max_triplets, pinches] = options;
+  section("end_margin_m", end_margin_m)("max_triplets", max_triplets);
+  section("pinches", pinches);  // the friction is the request's
 }
 
 void read(Section section, ConfigurationOptions& options) {

@@ -186,20 +186,24 @@ class Search {
   std::vector<std::array<HalfPlane, 3>> cones_;
 };
 
-// Keeps the triplets with the largest focus areas, the earlier of equals, in their order.
-void keepLargest(Triplets& found, std::size_t most) {
-  auto& all = found.triplets;
-  if (all.size() <= most) return;
+}  // namespace
+
+std::size_t keepLargest(std::vector<Triplet>& all, std::size_t most) {
+  if (all.size() <= most) return 0;
   const auto larger = [](const Triplet& a, const Triplet& b) {
     return a.focus_area_m2 != b.focus_area_m2 ? a.focus_area_m2 > b.focus_area_m2 : a.regions < b.regions;
   };
-  found.counts.over_limit = all.size() - most;
+  const std::size_t over = all.size() - most;
   std::nth_element(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(most), all.end(), larger);
   all.resize(most);
   std::sort(all.begin(), all.end(), [](const Triplet& a, const Triplet& b) { return a.regions < b.regions; });
+  return over;
 }
 
-}  // namespace
+void measureDepths(const FaceImage& filled_image, std::vector<Triplet>& triplets) {
+  const Depths depths(filled_image);
+  for (Triplet& triplet : triplets) depths.measure(triplet);
+}
 
 void TripletOptions::validate() const {
   requireOption(friction > 0.0 && friction <= 10.0, "triplets.friction", friction, "in (0, 10]");
@@ -226,9 +230,8 @@ Triplets findTriplets(const std::vector<Region>& regions, const FaceImage& fille
     stop.check();
     search.from(i, found);
   }
-  keepLargest(found, options.max_triplets);
-  const Depths depths(filled_image);
-  for (Triplet& triplet : found.triplets) depths.measure(triplet);
+  found.counts.over_limit = keepLargest(found.triplets, options.max_triplets);
+  measureDepths(filled_image, found.triplets);
   return found;
 }
 

@@ -18,6 +18,9 @@ struct TripletOptions {
   double end_margin_m = 0.0115;
   // Per face; those with the largest focus areas stay.
   std::size_t max_triplets = 2000;
+  // Also pinch parallel sides with two fingers side by side against the thumb (pinches.h), which the paper's
+  // rule that the normals span the plane leaves out. false: the paper's triplets alone.
+  bool pinches = true;
   void validate() const;
 };
 
@@ -59,5 +62,12 @@ Polygon unionCone(const Region& region, double friction, const Polygon& bounds);
 // depths. Throws InputError for bad options, Stopped when told to stop.
 Triplets findTriplets(const std::vector<Region>& regions, const FaceImage& filled_image,
                       const TripletOptions& options = {}, const StopToken& stop = {});
+
+// Keeps the `most` triplets with the largest focus areas, the earlier of equals, in the order of their
+// regions; returns how many were left out.
+std::size_t keepLargest(std::vector<Triplet>& triplets, std::size_t most);
+
+// Fills in the depths at the points of the triplets.
+void measureDepths(const FaceImage& filled_image, std::vector<Triplet>& triplets);
 
 }  // namespace boxgrasp

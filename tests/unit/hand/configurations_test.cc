@@ -323,6 +323,31 @@ TEST(FindConfigurations, MirrorImagesUnderTheThumbFitARangeOfSpreads) {
 }
 
 // The best height by brute force over all heights that are allowed.
+TEST(FindConfigurations, ParallelFingersPinchWhatIsBetweenThemAndTheThumb) {
+  const HandDescription& hand = barrettHand();
+  std::mt19937_64 random(12);
+  for (const double width : {0.006, 0.012, 0.05, 0.1}) {
+    Triplet triplet;
+    const double x = hand.spread_offset;
+    triplet.points_F = {Vector2d(x, width), Vector2d(-x, width), Vector2d(0, 0)};
+    triplet.normals_F = {Vector2d(0, -1), Vector2d(0, -1), Vector2d(0, 1)};
+    triplet.nearest_depth_m = {0.0, 0.0, 0.0};
+    triplet.farthest_depth_m = {0.01, 0.01, 0.01};
+    const Eigen::Rotation2Dd turn(uniform(random, 0, 6.28));
+    for (int i = 0; i < 3; ++i) {
+      triplet.points_F[i] = turn * triplet.points_F[i];
+      triplet.normals_F[i] = turn * triplet.normals_F[i];
+    }
+    const auto found = findConfigurations(hand, triplet, 0).configurations;
+    const bool parallel = std::any_of(found.begin(), found.end(), [&](const HandConfiguration& one) {
+      return one.joints.spread == 0.0 && std::abs(one.joints.inner[kF1] - one.joints.inner[kThumb]) < 0.02;
+    });
+    EXPECT_TRUE(parallel) << "no hand pinches " << 1e3 * width << " mm, all fingers closed alike";
+    for (const HandConfiguration& one : found)
+      expectReaches(hand, triplet, one, ConfigurationOptions{}, tolerance::kSymmetricFingers);
+  }
+}
+
 TEST(FindConfigurations, ThePalmsHeightIsTheBest) {
   std::mt19937_64 random(7);
   const ConfigurationOptions options;
