@@ -128,7 +128,7 @@ TEST_P(PlannerOnObjects, MirroredCloudGivesMirroredContacts) {
   EXPECT_GE(found, top - 2 * (top / 5)) << "of the best " << top << " grasps this many have a mirror image";
 }
 
-INSTANTIATE_TEST_SUITE_P(Objects, PlannerOnObjects, ::testing::Values("mug", "radio", "car"),
+INSTANTIATE_TEST_SUITE_P(Objects, PlannerOnObjects, ::testing::Values("mug", "radio", "car", "pen", "hammer"),
                          [](const auto& object) { return std::string(object.param); });
 
 void expectSameBytes(const PlanResult& a, const PlanResult& b) {
