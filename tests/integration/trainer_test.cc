@@ -188,5 +188,83 @@ TEST(Rates, LeavesOutWhatCannotBeSimulatedAndCountsTheRest) {
   EXPECT_GE(box["hypotheses"]["held"], 8) << "a wooden block of 180 g";
 }
 
+// A store with labels of three objects, few of each.
+std::string smallStore(const TemporaryFolder& folder) {
+  for (const char* object : {"cup", "mug", "banana"}) {
+    const Finished labelled = trainer({"label", "--only", object, "--scales", "1", "--limit", "12",
+                                       "--last-stage", "shake", "--out", folder / "store.db"});
+    EXPECT_EQ(labelled.code, kDone) << labelled.err;
+  }
+  return folder / "store.db";
+}
+
+std::string contentOf(const std::string& file) {
+  std::ifstream in(file);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+TEST(Learning, RanksObjectsLeftOutAndSaysSoTheSameOnAnyNumberOfThreads) {
+  const TemporaryFolder folder;
+  const std::string store = smallStore(folder);
+  const auto evaluate = [&](const std::string& threads) {
+    const Finished finished =
+        trainer({"evaluate", "--store", store, "--repeats", "2", "--json", "--threads", threads});
+    EXPECT_EQ(finished.code, kDone) << finished.err;
+    json report = json::parse(finished.out);
+    report.erase("time_s");
+    return report;
+  };
+  const json one = evaluate("1");
+  EXPECT_EQ(one, evaluate("2"));
+  EXPECT_EQ(one["objects"].size(), 3u);
+  EXPECT_EQ(one["samples"], 36);
+  EXPECT_NEAR(one["random"]["span_fraction"].get<double>(), 0.5, 0.1);
+  for (const char* ranking : {"network", "random", "best_of_q1_to_q9"}) EXPECT_TRUE(one.contains(ranking));
+}
+
+TEST(Learning, WritesAModelWithItsOriginAndAReportThatFetchesNothing) {
+  const TemporaryFolder folder;
+  const std::string store = smallStore(folder);
+  const Finished trained = trainer({"train", "--store", store, "--repeats", "1", "--ensemble", "2", "--out",
+                                    folder / "model.json", "--report", folder / "report.html"});
+  ASSERT_EQ(trained.code, kDone) << trained.err;
+  const json model = json::parse(contentOf(folder / "model.json"));
+  EXPECT_THAT(model["trained_on"].get<std::string>(), HasSubstr("36 planned grasps on 3 objects"));
+  EXPECT_THAT(model["command"].get<std::string>(), HasSubstr("train --store"));
+  EXPECT_EQ(model["networks"].size(), 2u);
+  EXPECT_EQ(model["data_hash"].get<std::string>().size(), 64u);
+  const std::string page = contentOf(folder / "report.html");
+  EXPECT_THAT(page, AllOf(HasSubstr("Data card"), HasSubstr("Model card"), HasSubstr("Learning curves"),
+                          HasSubstr("Which inputs matter"), HasSubstr("</svg>")));
+  for (const char* fetching : {"src=", "href=", "@import", "<script"})
+    EXPECT_THAT(page, ::testing::Not(HasSubstr(fetching)));
+}
+
+TEST(Learning, RefusesWhatCannotBeLearnt) {
+  const TemporaryFolder folder;
+  const auto refusal = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"train", "--out", folder / "model.json"});
+    const Finished finished = trainer(arguments);
+    EXPECT_EQ(finished.code, kBadInput) << finished.err;
+    EXPECT_FALSE(fs::exists(folder / "model.json"));
+    return finished.err;
+  };
+  EXPECT_THAT(refusal({"--inputs", "all"}), HasSubstr("would learn its own input"));
+  EXPECT_THAT(refusal({"--inputs", "q1,q0"}), HasSubstr("'q0' is unknown"));
+  EXPECT_THAT(refusal({"--target", "hold"}), HasSubstr("needs --store"));
+  EXPECT_THAT(refusal({"--target", "luck"}), HasSubstr("s, hold or both"));
+  EXPECT_THAT(refusal({"--store", "/no/such.db"}), HasSubstr("/no/such.db"));
+}
+
+TEST(Learning, CtrlCStopsItAndNothingIsWritten) {
+  const TemporaryFolder folder;
+  Process training({BOXGRASP_TRAINER, "train", "--objects", "mug", "--objects", "cup", "--objects", "bowl",
+                    "--out", folder / "model.json"});
+  while (training.running() && training.err().find("labelling: ") == std::string::npos) usleep(50'000);
+  training.signal(SIGINT);
+  EXPECT_EQ(training.wait(30.0), kInterrupted);
+  EXPECT_FALSE(fs::exists(folder / "model.json"));
+}
+
 }  // namespace
 }  // namespace boxgrasp::test
