@@ -31,6 +31,18 @@ const Planned& mug() {
   return planned;
 }
 
+ViewerOptions with(int ViewerOptions::*field, int value) {
+  ViewerOptions options;
+  options.*field = value;
+  return options;
+}
+
+ViewerOptions titled(const std::string& title) {
+  ViewerOptions options;
+  options.title = title;
+  return options;
+}
+
 Json sceneOf(const ViewerOptions& options = {}) {
   return planScene(mug().result, mug().trace, mug().planner.hand(), options);
 }
@@ -72,7 +84,7 @@ TEST(PlanScene, CarriesTheCloudToTheBit) {
 }
 
 TEST(PlanScene, ThinsLargeClouds) {
-  const Json json = sceneOf({.max_points = 100})["objects"][0]["cloud"];
+  const Json json = sceneOf(with(&ViewerOptions::max_points, 100))["objects"][0]["cloud"];
   EXPECT_LE(json["drawn"].get<int>(), 100);
   EXPECT_EQ(json["points"].get<std::size_t>(), mug().result.objects[0].cloud_C.size());
 }
@@ -98,12 +110,12 @@ TEST(PlanScene, ExplainsAPlanWithoutGrasps) {
 }
 
 TEST(PlanPage, LetsNoTextEndTheScriptThatItStandsIn) {
-  const std::string page = planPage(sceneOf({.title = "</script><img src=x onerror=alert(1)>"}));
+  const std::string page = planPage(sceneOf(titled("</script><img src=x onerror=alert(1)>")));
   EXPECT_EQ(page.find("</script><img"), std::string::npos);
   EXPECT_NE(page.find("\\u003c/script>\\u003cimg"), std::string::npos);
 }
 
-TEST(PlanPage, StandsUpToTextThatIsNotUtf8) { EXPECT_NO_THROW(planPage(sceneOf({.title = "\xff\xfe"}))); }
+TEST(PlanPage, StandsUpToTextThatIsNotUtf8) { EXPECT_NO_THROW(planPage(sceneOf(titled("\xff\xfe")))); }
 
 TEST(PlanPage, RefersToNoOtherPlace) {
   const std::string page = livePage();
@@ -118,8 +130,10 @@ TEST(PlanPage, NamesTheFileThatItCannotWrite) {
 }
 
 TEST(ViewerOptions, AreChecked) {
-  EXPECT_NE(test::errorOf([] { sceneOf({.max_points = 0}); }).find("max_points"), std::string::npos);
-  EXPECT_NE(test::errorOf([] { sceneOf({.closing_steps = 0}); }).find("closing_steps"), std::string::npos);
+  EXPECT_NE(test::errorOf([] { sceneOf(with(&ViewerOptions::max_points, 0)); }).find("max_points"),
+            std::string::npos);
+  EXPECT_NE(test::errorOf([] { sceneOf(with(&ViewerOptions::closing_steps, 0)); }).find("closing_steps"),
+            std::string::npos);
 }
 
 }  // namespace
