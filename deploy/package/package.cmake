@@ -21,7 +21,7 @@ install(FILES ${PROJECT_BINARY_DIR}/boxgrasp-config.cmake ${PROJECT_BINARY_DIR}/
 
 # What programs and people read.
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/lcmtypes ${PROJECT_SOURCE_DIR}/deploy/hands
-                  ${PROJECT_SOURCE_DIR}/deploy/models DESTINATION ${CMAKE_INSTALL_DATADIR}/boxgrasp)
+                  ${PROJECT_SOURCE_DIR}/deploy/models ${PROJECT_SOURCE_DIR}/deploy/slurm DESTINATION ${CMAKE_INSTALL_DATADIR}/boxgrasp)
 install(FILES ${PROJECT_SOURCE_DIR}/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)
 install(FILES ${PROJECT_SOURCE_DIR}/deploy/boxgrasp.toml DESTINATION /etc/boxgrasp)
