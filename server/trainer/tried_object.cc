@@ -10,30 +10,12 @@
 #include "boxgrasp/planning/hypotheses.h"
 #include "boxgrasp/training/analytic_labels.h"
 #include "boxgrasp/training/baselines.h"
+#include "boxgrasp/training/labelling.h"
 
 namespace boxgrasp {
 namespace {
 
 constexpr std::uint64_t kSurfaceSeed = 1;
-
-HypothesisRecord recordOf(const Grasp& grasp, std::size_t index, double approach_m) {
-  HypothesisRecord record;
-  record.index = static_cast<int>(index);
-  record.X_OP = grasp.X_CP;
-  record.joints = grasp.joints;
-  record.pregrasp = grasp.pregrasp;
-  record.approach_m = approach_m;
-  record.quality = grasp.quality;
-  record.box = grasp.box;
-  record.face = grasp.face;
-  return record;
-}
-
-std::vector<HypothesisRecord> recordsOf(const std::vector<Grasp>& grasps, double approach_m) {
-  std::vector<HypothesisRecord> records;
-  for (std::size_t i = 0; i < grasps.size(); ++i) records.push_back(recordOf(grasps[i], i, approach_m));
-  return records;
-}
 
 }  // namespace
 

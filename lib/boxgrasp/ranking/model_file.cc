@@ -1,17 +1,13 @@
 #include "boxgrasp/ranking/model_file.h"
 
-#include <fcntl.h>
 #include <sodium.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <array>
-#include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "boxgrasp/base/durable_file.h"
 #include "boxgrasp/base/error.h"
 
 namespace boxgrasp {
@@ -270,66 +266,6 @@ std::string readAll(const std::filesystem::path& file) {
   return text;
 }
 
-InputError cannotWrite(const std::filesystem::path& file, const char* step) {
-  return InputError(fmt::format(
-      "model file '{}' cannot be written: {}: {}; check the folder, its permissions and the free space",
-      file.string(), step, std::strerror(errno)));
-}
-
-// Closes the descriptor on every path out.
-class Descriptor {
- public:
-  explicit Descriptor(int fd) : fd_(fd) {}
-  ~Descriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  operator int() const { return fd_; }
-
- private:
-  int fd_;
-};
-
-bool writeBytes(int fd, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t n = ::write(fd, bytes.data(), bytes.size());
-    if (n < 0 && errno != EINTR) return false;
-    if (n > 0) bytes.remove_prefix(static_cast<std::size_t>(n));
-  }
-  return true;
-}
-
-// Creates a temporary file beside `file` with the bytes safely on disk, and returns its path.
-std::string writeTemporary(const std::filesystem::path& file, const std::string& bytes) {
-  std::string temporary = file.string() + ".XXXXXX";
-  const Descriptor fd(::mkstemp(temporary.data()));
-  if (fd < 0) throw cannotWrite(file, "creating a temporary file beside it");
-  if (!writeBytes(fd, bytes) || ::fchmod(fd, 0644) != 0 || ::fsync(fd) != 0) {
-    const InputError error = cannotWrite(file, "writing");
-    ::unlink(temporary.c_str());
-    throw error;
-  }
-  return temporary;
-}
-
-// Without this a crash of the machine could undo the rename.
-void syncFolderOf(const std::filesystem::path& file) {
-  const auto folder = file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
-  const Descriptor fd(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (fd < 0 || ::fsync(fd) != 0) throw cannotWrite(file, "syncing its folder");
-}
-
-void replaceAtomically(const std::filesystem::path& file, const std::string& bytes) {
-  const std::string temporary = writeTemporary(file, bytes);
-  if (::rename(temporary.c_str(), file.c_str()) != 0) {
-    const InputError error = cannotWrite(file, "renaming the temporary file");
-    ::unlink(temporary.c_str());
-    throw error;
-  }
-  syncFolderOf(file);
-}
-
 }  // namespace
 
 Model parseModel(const std::string& text, const std::string& name_for_errors) {
@@ -361,7 +297,7 @@ Model writeModel(const Model& model, const std::filesystem::path& file) {
           "model file '{}': {} bytes are more than the {} that can be read back; train a smaller network",
           file.string(), text.size(), kMaxFileBytes));
     }
-    replaceAtomically(file, text);
+    writeDurably(file, text);
   } catch (const json::exception& error) {
     throw InputError(fmt::format("model file '{}': a text is not valid UTF-8 ({}); correct it", file.string(),
                                  error.what()));

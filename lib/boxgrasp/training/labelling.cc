@@ -84,6 +84,17 @@ void requireAsPlanned(const ModelKey& key, const std::vector<HypothesisRecord>& 
   }
 }
 
+void count(const PlanResult& result, const Tally& tally, ModelRecord& record) {
+  record.boxes = static_cast<std::int64_t>(tally[StageId::decomposition].out);
+  record.projections = static_cast<std::int64_t>(tally[StageId::faces].out);
+  record.triplets = static_cast<std::int64_t>(tally[StageId::triplets].out);
+  record.configurations = static_cast<std::int64_t>(tally[StageId::configurations].out);
+  if (result.grasps.empty()) record.message = whyNoGrasp(tally);
+  if (result.objects.empty()) return;
+  record.leaves = static_cast<std::int64_t>(result.objects.front().tree.leaves().size());
+  record.size_m = objectSize(result.objects.front());
+}
+
 HypothesisRecord recordOf(const Grasp& grasp, std::size_t index, double approach_m) {
   HypothesisRecord record;
   record.index = static_cast<int>(index);
@@ -97,28 +108,13 @@ HypothesisRecord recordOf(const Grasp& grasp, std::size_t index, double approach
   return record;
 }
 
-void addPlanned(const std::vector<Grasp>& grasps, double approach_m, std::vector<HypothesisRecord>& records) {
-  for (std::size_t i = 0; i < grasps.size(); ++i) records.push_back(recordOf(grasps[i], i, approach_m));
-}
-
-void count(const PlanResult& result, const Tally& tally, ModelRecord& record) {
-  record.boxes = static_cast<std::int64_t>(tally[StageId::decomposition].out);
-  record.projections = static_cast<std::int64_t>(tally[StageId::faces].out);
-  record.triplets = static_cast<std::int64_t>(tally[StageId::triplets].out);
-  record.configurations = static_cast<std::int64_t>(tally[StageId::configurations].out);
-  if (result.grasps.empty()) record.message = whyNoGrasp(tally);
-  if (result.objects.empty()) return;
-  record.leaves = static_cast<std::int64_t>(result.objects.front().tree.leaves().size());
-  record.size_m = objectSize(result.objects.front());
-}
-
 std::vector<HypothesisRecord> hypothesesOf(GraspSource source, const HandDescription& hand,
                                            const TriangleMesh& mesh_O, const ModelKey& key,
                                            const PlanResult& result, const LabellingOptions& options) {
   std::vector<HypothesisRecord> records;
   switch (source) {
     case GraspSource::planner:
-      addPlanned(result.grasps, options.planner.clearance.approach_m, records);
+      records = recordsOf(result.grasps, options.planner.clearance.approach_m);
       break;
     case GraspSource::random:
       records = randomHypotheses(hand, mesh_O, options.random, derivedSeed(options.seed, key, "random", 0));
@@ -164,6 +160,12 @@ void addProtocols(const HandDescription& hand, const SimulatedObject& solid, con
 double atLeastZero(double x) { return x > 0 ? x : 0.0; }
 
 }  // namespace
+
+std::vector<HypothesisRecord> recordsOf(const std::vector<Grasp>& grasps, double approach_m) {
+  std::vector<HypothesisRecord> records;
+  for (std::size_t i = 0; i < grasps.size(); ++i) records.push_back(recordOf(grasps[i], i, approach_m));
+  return records;
+}
 
 void LabellingOptions::validate() const {
   requireOption(points >= 1000, "points", points, "at least 1000");

@@ -37,6 +37,9 @@ struct LabellingOptions {
 std::string labellingSettings(const HandDescription& hand, const LabellingOptions& options,
                               const std::string& code_version);
 
+// The planner's grasps as hypotheses, numbered in their order. `approach_m`: length of the straight way in.
+std::vector<HypothesisRecord> recordsOf(const std::vector<Grasp>& grasps, double approach_m);
+
 // A model with the grasps to try on it.
 struct PlannedModel {
   ModelRecord record;
