@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -25,7 +26,10 @@ struct Mean {
 struct Row {
   ModelRecord model;
   LabelCounts counts;
-  Mean epsilon, nu, success;
+  Mean epsilon, nu;  // of the grasps in force closure
+  Mean success;
+  Mean hold;       // share of a hypothesis's labels, with its perturbations, that are held
+  Mean deviation;  // of that, from one perturbation to the other
 };
 
 // The hypotheses of an object, of one source, one model after the other.
@@ -34,14 +38,22 @@ struct ObjectLabels {
   std::vector<LabelledHypothesis> labelled;
 };
 
+void addRobustness(const std::vector<GraspLabel>& labels, Row& row) {
+  Mean held;
+  for (const GraspLabel& label : labels) held.add(label.outcome == TrialOutcome::held);
+  row.hold.add(held.value());
+  if (held.n > 1) row.deviation.add(std::sqrt(held.value() * (1 - held.value())));
+}
+
 void addMeans(const ObjectLabels& object, std::vector<Row>& rows) {
   const VectorXd s = successes(object.labelled);
   for (std::size_t i = 0; i < object.rows.size(); ++i) {
     const GraspLabel* label = labelAsPlanned(object.labelled[i]);
     if (!label) continue;
     Row& row = rows[object.rows[i]];
-    row.epsilon.add(label->epsilon);
-    row.nu.add(label->nu);
+    row.epsilon.add(label->force_closure ? label->epsilon : NAN);
+    row.nu.add(label->force_closure ? label->nu : NAN);
+    addRobustness(object.labelled[i].labels, row);
     row.success.add(s[static_cast<Eigen::Index>(i)]);
   }
 }
@@ -55,7 +67,7 @@ std::vector<Row> rowsOf(const ExperienceStore& store) {
       object.rows.push_back(rows.size());
       object.labelled.push_back(std::move(labelled));
     }
-    rows.push_back({*store.model(counts.model), counts, {}, {}, {}});
+    rows.push_back({*store.model(counts.model), counts, {}, {}, {}, {}, {}});
   }
   for (const auto& [name, object] : objects) addMeans(object, rows);
   return rows;
@@ -96,7 +108,9 @@ nlohmann::json jsonOf(const Row& row) {
           {"outcomes", outcomes},
           {"epsilon", row.epsilon.value()},
           {"nu", row.nu.value()},
-          {"s", row.success.value()}};
+          {"s", row.success.value()},
+          {"hold", row.hold.value()},
+          {"hold_deviation", row.deviation.value()}};
 }
 
 void printJson(const std::vector<Row>& rows, const Totals& totals) {
@@ -117,19 +131,22 @@ void printJson(const std::vector<Row>& rows, const Totals& totals) {
 void printTable(const std::vector<Row>& rows) {
   fmt::print(
       "{:<24} {:<8} {:>5} {:>5} {:>8} {:>7} {:>7} {:>7} {:>6} {:>6} {:>6} {:>6} {:>6} {:>6} {:>7} {:>8} "
-      "{:>6}\n",
+      "{:>6} {:>6} {:>6}\n",
       "model", "source", "boxes", "faces", "triplets", "confs", "hypoth.", "labels", "missed", "collid",
-      "unstab", "lift", "shake", "held", "eps", "nu", "s");
+      "unstab", "lift", "shake", "held", "eps", "nu", "s", "hold", "+-");
   for (const Row& row : rows) {
     const auto& outcomes = row.counts.outcomes;
     fmt::print(
         "{:<24} {:<8} {:>5} {:>5} {:>8} {:>7} {:>7} {:>7} {:>6} {:>6} {:>6} {:>6} {:>6} {:>6} {:>7.4f} "
-        "{:>8.5f} {:>6.3f}\n",
+        "{:>8.5f} {:>6.3f} {:>6.3f} {:>6.3f}\n",
         formatModelKey(row.model.key), describe(row.counts.source), row.model.boxes, row.model.projections,
         row.model.triplets, row.model.configurations, row.counts.hypotheses, row.counts.labels, outcomes[0],
         outcomes[1], outcomes[2], outcomes[3], outcomes[4], outcomes[5], row.epsilon.value(), row.nu.value(),
-        row.success.value());
+        row.success.value(), row.hold.value(), row.deviation.value());
   }
+  fmt::print(
+      "eps, nu: means of the force closures; s: Eq. 6; hold: share held over all perturbations, +-: its "
+      "deviation between those of one grasp\n");
 }
 
 }  // namespace
