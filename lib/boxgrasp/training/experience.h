@@ -60,7 +60,7 @@ struct GraspLabel {
   bool force_closure = false;
   double epsilon = NAN, nu = NAN;
   double lift_slip_m = NAN, lift_rotation_rad = NAN;
-  double push_force_n = NAN;  // held along the palm's axis before it slipped
+  double push_force_n = NAN;  // held along the weakest of the six directions of P's axes
   double six_push_displacement_m =
       NAN;                  // under six weak pushes (definitions 8, D(R,O)): at most 0.02 is success
   int gravities_held = -1;  // of six directions of gravity (definitions 8, DexGraspNet)
