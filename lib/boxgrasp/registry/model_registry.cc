@@ -44,6 +44,8 @@ ModelState stateOf(const std::string& name) {
 RegisteredModel modelFrom(const json& entry) {
   RegisteredModel model;
   model.version = entry.at("version");
+  std::array<std::uint8_t, 4> number;  // a version names a file, so it is nothing but hex digits
+  readHex(model.version, number, "version");
   model.created = entry.at("created");
   model.accepted = entry.at("accepted");
   readHex(entry.at("key").get<std::string>(), model.signature.key, "key");
@@ -73,6 +75,8 @@ RegistryState stateFrom(const std::string& text) {
   RegistryState state;
   for (const json& entry : content.at("models")) state.models.push_back(modelFrom(entry));
   state.pinned = content.at("pinned");
+  if (!state.pinned.empty() && !state.find(state.pinned))
+    throw InputError(fmt::format("'{}' is pinned, but is none of its models", state.pinned));
   state.last_order = content.at("last_order");
   state.last_order_id = content.at("last_order_id");
   return state;
