@@ -45,8 +45,12 @@ void Clerk::outcome(grasp_outcome_t message) {
   outcome_reply_t busy{
       utimeNow(),    message.request_id,          message.grasp_index,
       message.robot, outcome_reply_t::NOT_STORED, "too many outcomes wait for the disk; report it again"};
-  const bool posted = background_.post(
-      [this, message = std::move(message)] { reply(channel::kOutcomeReply, outcomes_.store(message)); });
+  const bool posted = background_.post([this, message = std::move(message)] {
+    const outcome_reply_t answer = outcomes_.store(message);
+    if (answer.receipt == outcome_reply_t::NOT_STORED)
+      log_("the outcome of request '" + answer.request_id + "' is not stored: " + answer.message);
+    reply(channel::kOutcomeReply, answer);
+  });
   if (!posted) reply(channel::kOutcomeReply, busy);
 }
 

@@ -132,15 +132,19 @@ NamedGrasp graspAt(const Place& place) {
   return grasp;
 }
 
-std::vector<NamedGrasp> graspsIn(const Place& file) {
-  if (file.value.is_object() && file.value.contains("cases")) return graspsIn(file.at("cases"));
-  if (file.value.is_object()) return {graspAt(file)};
-  file.require(file.value.is_array() && !file.value.empty(),
+std::vector<NamedGrasp> graspList(const Place& list) {
+  list.require(list.value.is_array() && !list.value.empty(),
                "a grasp, a list of grasps, or a list of contacts");
-  if (file.value[0].is_object() && file.value[0].contains("position_mm")) return {bareGrasp(file)};
+  if (list.value[0].is_object() && list.value[0].contains("position_mm")) return {bareGrasp(list)};
   std::vector<NamedGrasp> grasps;
-  for (std::size_t i = 0; i < file.value.size(); ++i) grasps.push_back(graspAt(file.at(i)));
+  for (std::size_t i = 0; i < list.value.size(); ++i) grasps.push_back(graspAt(list.at(i)));
   return grasps;
+}
+
+std::vector<NamedGrasp> graspsIn(const Place& file) {
+  if (!file.value.is_object()) return graspList(file);
+  if (file.value.contains("cases")) return graspList(file.at("cases"));
+  return {graspAt(file)};
 }
 
 std::vector<NamedGrasp> readGrasps(const std::filesystem::path& path) {
