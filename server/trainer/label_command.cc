@@ -15,6 +15,7 @@
 #include "boxgrasp/store/experience_store.h"
 #include "boxgrasp/store/number_text.h"
 #include "boxgrasp/training/labelling.h"
+#include "boxgrasp/training/sights.h"
 #include "interruption.h"
 #include "progress_bar.h"
 
@@ -91,6 +92,13 @@ std::vector<ObjectSource> objectsOf(const LabelCommand& command) {
   return chosen;
 }
 
+std::vector<std::string> viewsOf(const LabelCommand& command) {
+  std::vector<std::string> views{wholeName()};
+  std::ranges::copy(viewNames(command.views), std::back_inserter(views));
+  if (command.pairs) std::ranges::copy(pairNames(command.views), std::back_inserter(views));
+  return views;
+}
+
 // The run: first all models are planned, so that what is left to do is known, then they are labelled.
 class Labeller {
  public:
@@ -98,7 +106,7 @@ class Labeller {
       : command_(command),
         options_(optionsOf(command)),
         sources_(parseSources(command.sources)),
-        views_(viewNames(command.views)),
+        views_(viewsOf(command)),
         objects_(objectsOf(command)),
         store_(ExperienceStore::openForWriting(command.out,
                                                labellingSettings(hand_, options_, BOXGRASP_VERSION))),

@@ -16,6 +16,7 @@ struct LabelCommand {
   double unit_m = 1.0;         // of the meshes' coordinates
   double target_size_m = 0.0;  // longest side of a mesh; 0: as its file says
   int views = 0;               // depth cameras around each object, besides the cloud of its whole surface
+  bool pairs = false;          // each camera's view together with another's, too
   int perturbations = 0;       // of each hypothesis
   std::string last_stage = "push";
   bool protocols = false;

@@ -181,13 +181,33 @@ void addSpread(CLI::App& app, SpreadCommand& command) {
 }
 
 void addRates(CLI::App& app, RatesCommand& command) {
-  app.add_option("--objects", command.objects, "'builtin', or a folder of meshes in metres")
+  app.add_option("--objects", command.objects, "'builtin', 'paper' (its Table I), or a folder of meshes")
       ->capture_default_str();
-  app.add_option("--scale", command.scale, "size relative to the natural one")->capture_default_str();
+  app.add_option("--scales", command.scales, "sizes relative to the natural one")
+      ->delimiter(',')
+      ->capture_default_str();
+  app.add_option("--seen", command.seen,
+                 "plan on the 'whole' surface, one depth camera's 'view', or a 'pair'")
+      ->capture_default_str();
+  app.add_option("--views", command.views, "cameras around each object, unless it is seen whole")
+      ->capture_default_str();
+  app.add_option("--protocol", command.protocol, "lift, lift_shake, six_pushes or six_gravities")
+      ->capture_default_str();
+  app.add_option(
+      "--store", command.store,
+      "labels: rank by networks learnt from them without the object at hand; else the built-in model");
+  app.add_option("--meshes", command.meshes, "the store's objects: 'builtin', 'paper', or a folder of meshes")
+      ->capture_default_str();
+  app.add_option("--config", command.config, "the planner's options (TOML)");
+  app.add_option("--hand", command.hand, "hand description file (TOML); the Barrett hand if none is given");
   app.add_option("--random", command.random, "random grasps of each object")->capture_default_str();
-  app.add_option("--limit", command.limit, "hypotheses tried of each object, evenly chosen; 0: all")
+  app.add_option("--limit", command.limit, "hypotheses tried of each plan, evenly chosen; 0: all")
       ->capture_default_str();
-  app.add_option("--seed", command.seed, "seed of the random grasps")->capture_default_str();
+  app.add_flag("--answers-only", command.answers_only, "try the planner's first five alone");
+  app.add_option("--seeds", command.seeds, "plans of each sight, with other points and noise")
+      ->capture_default_str();
+  app.add_option("--seed", command.seed, "of the first of them, and of the random grasps")
+      ->capture_default_str();
   app.add_option("--threads", command.threads, "0 = all cores; the result does not depend on it")
       ->capture_default_str();
   app.add_flag("--json", command.json, "print the table as JSON");
@@ -206,6 +226,7 @@ void addLabel(CLI::App& app, LabelCommand& command) {
       ->capture_default_str();
   app.add_option("--views", command.views, "depth cameras around each object, besides its whole surface")
       ->capture_default_str();
+  app.add_flag("--pairs", command.pairs, "each camera's view with that of another, too");
   app.add_option("--perturbations", command.perturbations, "perturbed trials of each hypothesis")
       ->capture_default_str();
   app.add_option("--last-stage", command.last_stage, "close, lift, shake or push")->capture_default_str();

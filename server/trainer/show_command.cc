@@ -24,7 +24,7 @@ struct Tried {
 };
 
 ObjectSource sourceIn(const std::string& set, const ModelKey& key) {
-  const std::vector<ObjectSource> sources = sourcesOf(set, key.scale);
+  const std::vector<ObjectSource> sources = sourcesOf(set, {key.scale});
   const auto found = std::find_if(sources.begin(), sources.end(),
                                   [&](const ObjectSource& source) { return source.name == key.object; });
   if (found != sources.end()) return *found;
@@ -45,17 +45,18 @@ Tried fromStore(const ShowCommand& command, const GraspId& id) {
 }
 
 std::vector<HypothesisRecord> graspsOf(const TriedObject& object, const GraspId& id, const StopToken& stop) {
-  const HandDescription& hand = barrettHand();
+  const Planning planning = planningWith();
   if (id.source == GraspSource::random)
-    return randomHypotheses(hand, object.mesh_O, id.index + 1, SpreadCommand{}.seed);
-  FoundGrasps found = findGrasps(hand, object.mesh_O, 0, stop);
+    return randomHypotheses(planning.hand, object.mesh_O, id.index + 1, SpreadCommand{}.seed);
+  FoundGrasps found = findGrasps(planning, object, wholeName(), {}, stop);
   return id.source == GraspSource::planner ? found.hypotheses : found.approach;
 }
 
 Tried fromPlan(const ShowCommand& command, const GraspId& id, const TriedObject& object,
                const StopToken& stop) {
   if (command.perturbation != 0) throw InputError("--perturbation needs a --store, which knows its seed");
-  if (id.model.view != "whole") throw InputError("only grasps of view 'whole' can be shown without a --store");
+  if (id.model.view != "whole")
+    throw InputError("only grasps of view 'whole' can be shown without a --store");
   const std::vector<HypothesisRecord> grasps = graspsOf(object, id, stop);
   if (id.index < static_cast<int>(grasps.size())) return {grasps[static_cast<std::size_t>(id.index)], {}};
   throw InputError(fmt::format("there is no grasp {}: {} has {} grasps of this source", command.grasp,

@@ -39,12 +39,12 @@ Series markers(Marker marker, double size_px, double opacity) {
   return series;
 }
 
-std::vector<Cloud> cloudsOf(const SpreadCommand& command, const TriedObject& object,
-                            const HandDescription& hand, const StopToken& stop) {
-  FoundGrasps found = findGrasps(hand, object.mesh_O, command.threads, stop);
+std::vector<Cloud> cloudsOf(const SpreadCommand& command, const TriedObject& object, const Planning& planning,
+                            const StopToken& stop) {
+  FoundGrasps found = findGrasps(planning, object, wholeName(), {}, stop);
   const Series dots = markers(Marker::circle, 4.0, 0.45), crosses = markers(Marker::cross, 7.0, 1.0),
                diamonds = markers(Marker::diamond, 7.0, 0.7);
-  return {{"random", dots, randomHypotheses(hand, object.mesh_O, command.random, command.seed), {}},
+  return {{"random", dots, randomHypotheses(planning.hand, object.mesh_O, command.random, command.seed), {}},
           {"approach and close", crosses, std::move(found.approach), {}},
           {"hypotheses", diamonds, std::move(found.hypotheses), {}}};
 }
@@ -156,8 +156,10 @@ void runSpread(const SpreadCommand& command) {
   requireOption(command.threads >= 0, "--threads", command.threads, "at least 0");
   const StopToken stop = stopOnInterrupt();
   const TriedObject object = triedObject(sourceOf(command.object, command.scale), stop);
-  std::vector<Cloud> clouds = cloudsOf(command, object, barrettHand(), stop);
-  closeAll(clouds, object, barrettHand(), command.threads, stop);
+  Planning planning = planningWith();
+  planning.options.threads = command.threads;
+  std::vector<Cloud> clouds = cloudsOf(command, object, planning, stop);
+  closeAll(clouds, object, planning.hand, command.threads, stop);
   writeSvg(plotOf(object, clouds), command.out);
   const std::vector<std::vector<double>> s = successesOf(clouds);
   json report{{"object", object.name}, {"scale", object.scale}, {"plot", command.out.string()}};

@@ -70,6 +70,7 @@ std::vector<ObjectSource> sourcesFor(const StudyCommand& command, const std::vec
   std::ranges::sort(scales);
   scales.erase(std::ranges::unique(scales).begin(), scales.end());
   if (command.meshes == "builtin") return builtinObjects(scales);
+  if (command.meshes == "paper") return paperObjects(scales);
   return meshFolder(command.meshes, {.scales = scales});
 }
 

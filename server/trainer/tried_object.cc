@@ -8,17 +8,12 @@
 #include "boxgrasp/planning/default_model.h"
 #include "boxgrasp/planning/grasp_planner.h"
 #include "boxgrasp/planning/hypotheses.h"
+#include "boxgrasp/planning/planner_config.h"
 #include "boxgrasp/training/analytic_labels.h"
 #include "boxgrasp/training/baselines.h"
 #include "boxgrasp/training/labelling.h"
 
 namespace boxgrasp {
-namespace {
-
-constexpr std::uint64_t kSurfaceSeed = 1;
-
-}  // namespace
-
 TriedObject triedObject(const ObjectSource& source, const StopToken& stop) {
   TriangleMesh mesh_O = loadObject(source, stop).mesh_O;
   SimulatedObject solid = makeSimulatedObject(mesh_O);
@@ -33,25 +28,35 @@ ObjectSource sourceOf(const std::string& object, double scale) {
   return source;
 }
 
-std::vector<ObjectSource> sourcesOf(const std::string& set, double scale) {
-  return set == "builtin" ? builtinObjects({scale}) : meshFolder(set, {.scales = {scale}});
+std::vector<ObjectSource> sourcesOf(const std::string& set, const std::vector<double>& scales) {
+  if (set == "builtin") return builtinObjects(scales);
+  if (set == "paper") return paperObjects(scales);
+  return meshFolder(set, {.scales = scales});
 }
 
-FoundGrasps findGrasps(const HandDescription& hand, const TriangleMesh& mesh_O, int threads,
-                       const StopToken& stop) {
-  PlannerOptions options;
-  options.scene.whole = true;
-  options.threads = threads;
-  PlanRequest request;
-  request.cloud_C = sampleSurface(mesh_O, AnalyticLabelOptions{}.points, kSurfaceSeed);
+Planning planningWith(const std::optional<std::filesystem::path>& hand,
+                      const std::optional<std::filesystem::path>& config) {
+  Planning planning;
+  if (hand) planning.hand = readHandDescription(*hand);
+  if (config) planning.options = readPlannerOptions(*config);
+  planning.options.scene.whole = true;
+  planning.model = modelOrDefault({});
+  return planning;
+}
+
+FoundGrasps findGrasps(const Planning& planning, const TriedObject& object, const std::string& view,
+                       const SightOptions& sight, const StopToken& stop) {
+  const PlanRequest request = sightOf(object.mesh_O, {object.name, object.scale, view}, sight, stop);
   PlanResult all;
   Tally tally;
-  findHypotheses(hand, options, request, stop, nullptr, all, tally);
-  const PlanResult best = GraspPlanner(hand, modelOrDefault({}), options).plan(request, stop);
+  findHypotheses(planning.hand, planning.options, request, stop, nullptr, all, tally);
+  const PlanResult best = GraspPlanner(planning.hand, planning.model, planning.options).plan(request, stop);
   stop.check();
-  const double approach_m = options.clearance.approach_m;
-  return {recordsOf(all.grasps, approach_m), recordsOf(best.grasps, approach_m),
-          approachHypotheses(hand, all.objects.front().tree, all.objects.front().cloud_C)};
+  const double approach_m = planning.options.clearance.approach_m;
+  FoundGrasps found{recordsOf(all.grasps, approach_m), recordsOf(best.grasps, approach_m), {}, best.message};
+  if (!all.objects.empty())
+    found.approach = approachHypotheses(planning.hand, all.objects.front().tree, all.objects.front().cloud_C);
+  return found;
 }
 
 TrialOptions trialOptions(GraspSource source, TrialStage last_stage) {

@@ -1,7 +1,9 @@
 // Objects to try grasps on, and the grasps to try.
 #pragma once
 
+#include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,6 +11,7 @@
 #include "boxgrasp/ranking/network.h"
 #include "boxgrasp/simulation/object.h"
 #include "boxgrasp/training/experience.h"
+#include "boxgrasp/training/sights.h"
 
 namespace boxgrasp {
 
@@ -25,18 +28,30 @@ TriedObject triedObject(const ObjectSource& source, const StopToken& stop);
 // `object` is a mesh file in metres, or else the name of a parametric object.
 ObjectSource sourceOf(const std::string& object, double scale);
 
-// "builtin": all parametric objects; else the meshes in that folder, in metres.
-std::vector<ObjectSource> sourcesOf(const std::string& set, double scale);
+// "builtin": all parametric objects; "paper": its Table I; else the meshes in that folder, in metres.
+std::vector<ObjectSource> sourcesOf(const std::string& set, const std::vector<double>& scales);
+
+// How grasps are planned: hand, options and the model that ranks.
+struct Planning {
+  HandDescription hand = barrettHand();
+  PlannerOptions options;
+  Model model;
+};
+
+// The built-in hand and options, unless files are given; the built-in model. Throws InputError for bad files.
+Planning planningWith(const std::optional<std::filesystem::path>& hand = {},
+                      const std::optional<std::filesystem::path>& config = {});
 
 struct FoundGrasps {
   std::vector<HypothesisRecord> hypotheses;  // all of the planner's, in their fixed order
   std::vector<HypothesisRecord> answer;      // what a robot would get: distinct ones, the best first
   std::vector<HypothesisRecord> approach;    // approach-and-close (paper, ref. [11])
+  std::string message;                       // of the plan
 };
 
-// Plans on points of the whole surface, with the defaults. No grasps are no error.
-FoundGrasps findGrasps(const HandDescription& hand, const TriangleMesh& mesh_O, int threads,
-                       const StopToken& stop);
+// Plans on what `view` shows of the object (training/sights.h), as one object. No grasps are no error.
+FoundGrasps findGrasps(const Planning& planning, const TriedObject& object, const std::string& view,
+                       const SightOptions& sight, const StopToken& stop);
 
 // The options with which grasps of this source are tried: all but the planner's close where they touch
 // (baselines.h).

@@ -166,13 +166,19 @@ TEST(Spread, CtrlCStopsItAndNothingIsWritten) {
   EXPECT_FALSE(fs::exists(folder / "spread.svg"));
 }
 
-TEST(Rates, LeavesOutWhatCannotBeSimulatedAndCountsTheRest) {
-  const TemporaryFolder folder;
-  std::ofstream(folder / "open.off") << "OFF\n3 1 0\n0 0 0\n0.1 0 0\n0 0.1 0\n3 0 1 2\n";
+// A mesh of a wooden block of 180 g.
+std::string smallBlock(const TemporaryFolder& folder) {
   std::ofstream(folder / "box.off")
       << "OFF\n8 12 0\n0 0 0\n.06 0 0\n.06 .05 0\n0 .05 0\n0 0 .12\n.06 0 .12\n.06 .05 .12\n0 .05 .12\n"
          "3 0 2 1\n3 0 3 2\n3 4 5 6\n3 4 6 7\n3 0 1 5\n3 0 5 4\n3 1 2 6\n3 1 6 5\n3 2 3 7\n3 2 7 6\n"
          "3 3 0 4\n3 3 4 7\n";
+  return folder / "box.off";
+}
+
+TEST(Rates, LeavesOutWhatCannotBeSimulatedAndCountsTheRest) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "open.off") << "OFF\n3 1 0\n0 0 0\n0.1 0 0\n0 0.1 0\n3 0 1 2\n";
+  smallBlock(folder);
   const Finished rates =
       trainer({"rates", "--objects", folder / "", "--random", "5", "--limit", "10", "--json"});
   ASSERT_EQ(rates.code, kDone) << rates.err;
@@ -186,6 +192,29 @@ TEST(Rates, LeavesOutWhatCannotBeSimulatedAndCountsTheRest) {
   EXPECT_EQ(box["first"]["of"], 1);
   EXPECT_EQ(report["all"]["hypotheses"], box["hypotheses"]);
   EXPECT_GE(box["hypotheses"]["held"], 8) << "a wooden block of 180 g";
+}
+
+TEST(Rates, CountPlansOfEachSightAndSeedAndSayHowTheyEnded) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "meshes");
+  fs::copy(smallBlock(folder), folder / "meshes/block.off");
+  const Finished rates = trainer({"rates", "--objects", folder / "meshes", "--seen", "view", "--views", "2",
+                                  "--seeds", "3", "--protocol", "lift", "--answers-only", "--json"});
+  ASSERT_EQ(rates.code, kDone) << rates.err;
+  const json report = json::parse(rates.out), first = report["all"]["first"];
+  EXPECT_EQ(report["schema"], 1);
+  EXPECT_EQ(first["of"], 6) << "two cameras, three seeds";
+  EXPECT_EQ(report["first_by_seed"].size(), 3u);
+  EXPECT_EQ(report["all"]["hypotheses"]["of"], 0) << "only answers were asked for";
+  int ends = 0;
+  for (const json& count : first["endings"]) ends += count.get<int>();
+  EXPECT_EQ(ends, 6) << first.dump();
+}
+
+TEST(Rates, RefuseWhatTheyDoNotKnow) {
+  EXPECT_THAT(trainer({"rates", "--seen", "half"}).err, HasSubstr("whole, view or pair"));
+  EXPECT_THAT(trainer({"rates", "--protocol", "throw"}).err, HasSubstr("six_gravities"));
+  EXPECT_THAT(trainer({"rates", "--views", "0"}).err, HasSubstr("'--views' is 0"));
 }
 
 // A store with labels of three objects, few of each.

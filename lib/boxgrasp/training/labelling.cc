@@ -5,52 +5,15 @@
 #include <algorithm>
 
 #include "boxgrasp/base/error.h"
-#include "boxgrasp/objects/depth_camera.h"
 #include "boxgrasp/objects/mesh_properties.h"
 #include "boxgrasp/planning/features.h"
 #include "boxgrasp/planning/hypotheses.h"
 #include "boxgrasp/training/analytic_labels.h"
 #include "boxgrasp/training/baselines.h"
+#include "boxgrasp/training/sights.h"
 
 namespace boxgrasp {
 namespace {
-
-constexpr std::string_view kWhole = "whole";
-
-// A seed of its own for each purpose and grasp, so that no two grasps are perturbed alike.
-std::uint64_t derivedSeed(std::uint64_t seed, const ModelKey& key, std::string_view purpose, int index) {
-  const std::string text =
-      fmt::format("{} {} {} {} {} {}", seed, purpose, index, key.scale, key.view, key.object);
-  return std::stoull(blake2bHex(text).substr(0, 16), nullptr, 16);
-}
-
-NamedPose cameraOf(const TriangleMesh& mesh_O, const std::string& view, int cameras) {
-  ViewRingOptions ring;
-  ring.views = cameras;
-  const std::vector<NamedPose> poses = viewRing(mesh_O, ring);
-  const auto found = std::ranges::find(poses, view, &NamedPose::name);
-  if (found == poses.end()) {
-    throw InputError(
-        fmt::format("view '{}' is none of the {} cameras; label with more --views", view, cameras));
-  }
-  return *found;
-}
-
-PlanRequest requestFor(const TriangleMesh& mesh_O, const ModelKey& key, int cameras,
-                       const LabellingOptions& options, const StopToken& stop) {
-  PlanRequest request;
-  if (key.view == kWhole) {
-    request.cloud_C = sampleSurface(mesh_O, options.points, options.seed);
-    return request;
-  }
-  DepthCameraOptions camera;
-  camera.seed = derivedSeed(options.seed, key, "camera", 0);
-  const Pose X_OS = cameraOf(mesh_O, key.view, cameras).X_OS;
-  request.cloud_C =
-      seeFrom({.object_O = mesh_O, .others_O = {}, .table = true}, X_OS, camera, stop).objectCloud_O();
-  request.viewpoint_C = X_OS.translation();
-  return request;
-}
 
 struct Planned {
   PlanResult result;
@@ -63,7 +26,7 @@ Planned plan(const HandDescription& hand, const TriangleMesh& mesh_O, const Mode
   options.validate();
   PlannerOptions planner = options.planner;
   planner.scene.whole = true;
-  const PlanRequest request = requestFor(mesh_O, key, cameras, options, stop);
+  const PlanRequest request = sightOf(mesh_O, key, {options.points, cameras, options.seed}, stop);
   Planned planned{.result = {}, .tally = {}, .friction = request.friction};
   findHypotheses(hand, planner, request, stop, nullptr, planned.result, planned.tally);
   stop.check();
@@ -188,12 +151,6 @@ std::string labellingSettings(const HandDescription& hand, const LabellingOption
       static_cast<int>(options.last_stage), options.protocols, options.planner.require_force_closure,
       physics.step_s, physics.friction, options.perturbation.shift_m, options.perturbation.turn_rad,
       options.perturbation.friction_share, options.perturbation.mass_share);
-}
-
-std::vector<std::string> viewNames(int cameras) {
-  std::vector<std::string> names{std::string(kWhole)};
-  for (int i = 0; i < cameras; ++i) names.push_back(fmt::format("view{}", i));
-  return names;
 }
 
 std::string meshHash(const TriangleMesh& mesh) {

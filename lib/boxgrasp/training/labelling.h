@@ -46,12 +46,9 @@ struct PlannedModel {
   std::vector<HypothesisRecord> hypotheses;  // source by source, in the order asked for
 };
 
-// "whole", then "view0" .. for as many cameras (objects/depth_camera.h).
-std::vector<std::string> viewNames(int cameras);
-
-// Plans on a cloud of the whole surface, or on what the camera `key.view` sees of the object when it is one
-// of `cameras` around it. No grasps are no error: record.message says why. Throws InputError for a mesh that
-// cannot be planned on or simulated; Stopped.
+// Plans on what `key.view` shows of the object with so many cameras around it (sights.h). No grasps are no
+// error: record.message says why. Throws InputError for a mesh that cannot be planned on or simulated;
+// Stopped.
 PlannedModel planModel(const HandDescription& hand, const TriangleMesh& mesh_O, const ModelKey& key,
                        int cameras, const std::vector<GraspSource>& sources, const LabellingOptions& options,
                        const StopToken& stop = {});

@@ -1,0 +1,39 @@
+#include "left_out.h"
+
+#include <vector>
+
+namespace boxgrasp {
+namespace {
+
+using Eigen::Index;
+
+GroupedSamples without(const GroupedSamples& all, const std::string& object) {
+  std::vector<Index> kept;
+  for (std::size_t i = 0; i < all.objects.size(); ++i) {
+    if (all.objects[i] != object) kept.push_back(static_cast<Index>(i));
+  }
+  GroupedSamples rest;
+  rest.samples.inputs = all.samples.inputs(kept, Eigen::all);
+  rest.samples.targets = all.samples.targets(kept);
+  if (all.samples.weights.size() > 0) rest.samples.weights = all.samples.weights(kept);
+  for (const Index i : kept) rest.objects.push_back(all.objects[static_cast<std::size_t>(i)]);
+  return rest;
+}
+
+}  // namespace
+
+LeftOut::LeftOut(const StudyCommand& command, const StopToken& stop)
+    : command_(command), data_(studyData(command, stop)) {}
+
+const Model& LeftOut::modelWithout(const std::string& object, const StopToken& stop) {
+  const auto known = models_.find(object);
+  if (known != models_.end()) return known->second;
+  Model model;
+  model.name = "without " + object;
+  model.features = data_.features;
+  model.ensemble = learn(without(data_.samples, object), learningOptions(command_, data_.target), {}, stop);
+  model.version = modelVersion(model);
+  return models_.emplace(object, std::move(model)).first->second;
+}
+
+}  // namespace boxgrasp
