@@ -28,6 +28,7 @@ PlanRequest requestOf(const PlanCommand& command) {
   request.object = command.object;
   if (command.gravity) request.gravity_C = Vector3d(command.gravity->data());
   request.viewpoint_C = loaded.viewpoint_C;
+  if (command.viewpoint) request.viewpoint_C = Vector3d(command.viewpoint->data());
   return request;
 }
 

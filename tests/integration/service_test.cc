@@ -108,6 +108,19 @@ TEST_F(Service, JsonHasItsKeys) {
   EXPECT_TRUE(plan["report"]["seed"].is_number_integer());
 }
 
+// Where the sensor stood counts the same from the command line and from the file.
+TEST_F(Service, TheViewpointIsTheFilesOrTheUsers) {
+  writeCloud(cup(), folder / "seen.pcd", Vector3d(0.5, -0.25, 0.4));
+  const auto plan = [&](std::vector<std::string> more) {
+    return withoutTimes(local(more + std::vector<std::string>{"--json", "--top", "5"}).out);
+  };
+  const nlohmann::json told = plan({folder / "cup.pcd", "--viewpoint", "0.5", "-0.25", "0.4"});
+  EXPECT_EQ(told["outcome"], "grasps");
+  EXPECT_EQ(told, plan({folder / "seen.pcd"}));
+  EXPECT_NE(told["grasps"], plan({folder / "cup.pcd"})["grasps"]);
+  EXPECT_EQ(told, plan({folder / "cup.pcd", "--viewpoint", "0.5,-0.25,0.4"}));
+}
+
 TEST_F(Service, RepeatsItsAnswerWithoutPlanningTwice) {
   startServer();
   Wire wire;
