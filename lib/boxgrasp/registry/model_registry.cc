@@ -147,9 +147,10 @@ void ModelRegistry::open() {
     state_ = stateFrom(readWhole(file, kMaxStateFile));
   } catch (const std::exception& error) {
     const fs::path aside = file.string() + ".damaged";
-    fs::rename(file, aside);
+    std::error_code stays;  // where nothing can be written
+    fs::rename(file, aside, stays);
     trouble_ = fmt::format("'{}' is damaged: the registry begins anew, and the old one is '{}' now; {}",
-                           file.string(), aside.filename().string(), error.what());
+                           file.string(), (stays ? file : aside).filename().string(), error.what());
   }
 }
 
@@ -157,13 +158,15 @@ void ModelRegistry::open() {
 // damaged state may still speak of them.
 void ModelRegistry::removeLeftovers() const {
   constexpr std::string_view kTemporaryEnd = ".XXXXXX";
-  const bool keep_models = fs::exists(folder_ / "registry.json.damaged");
+  const bool keep_models = !trouble_.empty() || fs::exists(folder_ / "registry.json.damaged");
+  std::error_code stays;  // where nothing can be written; it will be tried again with the next start
   for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) {
     const fs::path &file = entry.path(), extension = file.extension();
     const bool is_model = extension == ".json" && file.stem() != "registry",
                is_temporary =
                    file.stem().extension() == ".json" && extension.string().size() == kTemporaryEnd.size();
-    if (is_temporary || (is_model && !keep_models && !state_.find(file.stem().string()))) fs::remove(file);
+    if (is_temporary || (is_model && !keep_models && !state_.find(file.stem().string())))
+      fs::remove(file, stays);
   }
 }
 
@@ -184,7 +187,8 @@ void ModelRegistry::add(std::string_view file, RegistryState next) {
     next.models.erase(oldest);
   }
   commit(std::move(next));
-  for (const std::string& version : dropped) fs::remove(fileOf(version));
+  std::error_code left;  // removed with the next start
+  for (const std::string& version : dropped) fs::remove(fileOf(version), left);
 }
 
 Model ModelRegistry::load(const std::string& version) const {

@@ -14,7 +14,8 @@ namespace boxgrasp {
 
 FileLock::FileLock(const std::filesystem::path& guarded) {
   const std::string file = guarded.string() + ".lock";
-  descriptor_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  // For reading: that is enough for a lock, and a file that exists can be opened where nothing can be written.
+  descriptor_ = open(file.c_str(), O_RDONLY | O_CREAT | O_CLOEXEC, 0666);
   if (descriptor_ >= 0) return;
   throw StoreError(
       fmt::format("'{}' cannot be opened: {}; check the path, and the permissions of file and folder", file,
