@@ -36,6 +36,7 @@ class Process {
   // Its exit code; -N if signal N ended it. Kills it after timeout_s, which makes -9.
   int wait(double timeout_s);
   bool running();
+  pid_t id() const { return pid_; }
   std::string out() const;
   std::string err() const;
 
