@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "boxgrasp/base/error.h"
 #include "boxgrasp/base/exit_code.h"
 #include "boxgrasp/messaging/plan_conversion.h"
@@ -17,6 +19,30 @@
 namespace boxgrasp {
 namespace {
 
+Eigen::AlignedBox3d boxOf(const std::array<double, 6>& corners) {
+  return {Vector3d(corners.data()), Vector3d(corners.data() + 3)};
+}
+
+Pose poseOf(const std::array<double, 7>& numbers) {
+  const Eigen::Quaterniond rotation(numbers[3], numbers[4], numbers[5], numbers[6]);
+  requireOption(std::abs(rotation.norm() - 1) < 1e-3, "--camera-pose",
+                fmt::format("{}", fmt::join(numbers, " ")), "X Y Z and a unit quaternion QW QX QY QZ");
+  return makePose(rotation.normalized().toRotationMatrix(), Vector3d(numbers.data()));
+}
+
+void putRobot(const RobotFlags& flags, PlanRequest& request) {
+  if (flags.table) {
+    const Vector3d normal_C(flags.table->data() + 3);
+    request.table_C = Plane{normal_C, normal_C.dot(Vector3d(flags.table->data()))};
+  }
+  RobotRequest& robot = request.robot;
+  robot.answer_frame = flags.answer_frame;
+  if (flags.camera_pose) robot.X_RC = poseOf(*flags.camera_pose);
+  if (flags.approach) robot.approach = {Vector3d(flags.approach->data()), flags.approach_cone_rad};
+  if (flags.workspace) robot.workspace_R = boxOf(*flags.workspace);
+  for (const auto& corners : flags.forbidden) robot.forbidden_R.push_back(boxOf(corners));
+}
+
 PlanRequest requestOf(const PlanCommand& command) {
   LoadedCloud loaded = readCloud(command.file, command.read);
   fmt::print(stderr, "boxgrasp: {}: {} points ({})\n", command.file.string(), loaded.cloud_C.size(),
@@ -29,6 +55,7 @@ PlanRequest requestOf(const PlanCommand& command) {
   if (command.gravity) request.gravity_C = Vector3d(command.gravity->data());
   request.viewpoint_C = loaded.viewpoint_C;
   if (command.viewpoint) request.viewpoint_C = Vector3d(command.viewpoint->data());
+  putRobot(command.robot, request);
   return request;
 }
 

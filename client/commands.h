@@ -5,10 +5,23 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "boxgrasp/cloud/read_cloud.h"
+#include "boxgrasp/planning/robot.h"
 
 namespace boxgrasp {
+
+// What a request says of its robot. Boxes are six numbers: one corner and the opposite one.
+struct RobotFlags {
+  std::optional<std::array<double, 6>> table;  // point and normal, in the cloud's frame
+  std::optional<AnswerFrame> answer_frame;
+  std::optional<std::array<double, 7>> camera_pose;  // position and quaternion w x y z
+  std::optional<std::array<double, 3>> approach;
+  double approach_cone_rad = 0.52;
+  std::optional<std::array<double, 6>> workspace;
+  std::vector<std::array<double, 6>> forbidden;
+};
 
 struct PlanCommand {
   std::filesystem::path file;  // cloud or mesh
@@ -25,6 +38,7 @@ struct PlanCommand {
   double friction = 0.4;
   std::optional<std::array<double, 3>> gravity;
   std::optional<std::array<double, 3>> viewpoint;  // else the file's, if it has one
+  RobotFlags robot;
   int object = -1;
   std::string request_id;  // of a plan made by the server; empty: a new one
 };

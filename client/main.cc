@@ -44,6 +44,31 @@ void addCloudOptions(CLI::App& app, PlanCommand& command) {
       ->check(CLI::PositiveNumber);
 }
 
+void addRobotOptions(CLI::App& app, RobotFlags& robot) {
+  app.add_option(
+         "--table", robot.table,
+         "plane on which the objects stand, in the cloud's frame: a point and the normal, as X Y Z NX NY NZ; "
+         "else it is looked for")
+      ->delimiter(',');
+  app.add_option("--answer-frame", robot.answer_frame, "answer in the frame of the cloud or of the robot")
+      ->transform(CLI::Transformer(
+          std::map<std::string, AnswerFrame>{{"cloud", AnswerFrame::cloud}, {"robot", AnswerFrame::robot}}));
+  app.add_option("--camera-pose", robot.camera_pose,
+                 "the cloud's frame in the robot's: position and quaternion, as X Y Z QW QX QY QZ")
+      ->delimiter(',');
+  app.add_option("--approach", robot.approach,
+                 "come along this direction, in the robot's frame, as X Y Z ...")
+      ->delimiter(',');
+  app.add_option("--approach-cone-rad", robot.approach_cone_rad, "... or lean from it by so much at most")
+      ->capture_default_str();
+  app.add_option("--workspace", robot.workspace,
+                 "keep the palm in this box of the robot's frame: two corners, as X Y Z X Y Z")
+      ->delimiter(',');
+  app.add_option("--forbidden", robot.forbidden,
+                 "keep the hand out of this box of the robot's frame, as X Y Z X Y Z; any number of times")
+      ->delimiter(',');
+}
+
 void addLocalOptions(CLI::App& app, PlanCommand& command) {
   app.add_option("--config", command.config,
                  "configuration of the plan made here; deploy/boxgrasp.toml explains it");
@@ -60,6 +85,7 @@ CLI::App* addPlanCommand(CLI::App& app, const std::string& name, const std::stri
                          PlanCommand& command) {
   CLI::App* sub = app.add_subcommand(name, what);
   addCloudOptions(*sub, command);
+  addRobotOptions(*sub, command.robot);
   addLocalOptions(*sub, command);
   addOutputOptions(*sub, command.lcm_url, command.json);
   sub->add_option(

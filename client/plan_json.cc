@@ -24,13 +24,21 @@ Json contactJson(const contact_t& contact, int finger) {
           {"finger", fmt::format("f{}", finger + 1)}};
 }
 
+Json poseJson(const double (&position_m)[3], const double (&quaternion_wxyz)[4]) {
+  return {{"position_m", numbers(position_m)}, {"quaternion_wxyz", numbers(quaternion_wxyz)}};
+}
+
 Json graspJson(const grasp_t& grasp) {
   Json contacts = Json::array();
   for (int finger = 0; finger < 3; ++finger) contacts.push_back(contactJson(grasp.contacts[finger], finger));
   return {{"score", grasp.score},
-          {"palm_pose",
-           {{"position_m", numbers(grasp.palm_position_m)},
-            {"quaternion_wxyz", numbers(grasp.palm_quaternion_wxyz)}}},
+          {"palm_pose", poseJson(grasp.palm_position_m, grasp.palm_quaternion_wxyz)},
+          {"pregrasp_pose", poseJson(grasp.pregrasp_position_m, grasp.palm_quaternion_wxyz)},
+          {"lift_pose", poseJson(grasp.lift_position_m, grasp.palm_quaternion_wxyz)},
+          {"tool",
+           {{"pose", poseJson(grasp.tool_position_m, grasp.tool_quaternion_wxyz)},
+            {"pregrasp_pose", poseJson(grasp.tool_pregrasp_position_m, grasp.tool_quaternion_wxyz)},
+            {"lift_pose", poseJson(grasp.tool_lift_position_m, grasp.tool_quaternion_wxyz)}}},
           {"joints_rad", jointsJson(grasp.joints_rad)},
           {"pregrasp_rad", jointsJson(grasp.pregrasp_rad)},
           {"contacts", contacts},
@@ -76,7 +84,8 @@ Json list(const std::vector<Item>& items, Convert convert) {
 }  // namespace
 
 Json planJson(const plan_response_t& response) {
-  return {{"outcome", outcomeName(response.outcome)},
+  return {{"schema", 1},
+          {"outcome", outcomeName(response.outcome)},
           {"message", response.message},
           {"model_version", response.model_version},
           {"frame", response.frame},
@@ -89,7 +98,8 @@ Json statusJson(const status_t& status) {
   Json outcomes = Json::object();
   for (std::int8_t outcome = 0; outcome < static_cast<int>(std::size(status.outcomes)); ++outcome)
     outcomes[std::string(outcomeName(outcome))] = status.outcomes[outcome];
-  return {{"version", status.version},
+  return {{"schema", 1},
+          {"version", status.version},
           {"model_version", status.model_version},
           {"hand", status.hand},
           {"uptime_s", status.uptime_s},

@@ -24,6 +24,14 @@ std::string graspText(const grasp_t& grasp, int rank) {
   text +=
       fmt::format("     palm      {} m   quaternion w x y z ({:.4f} {:.4f} {:.4f} {:.4f})   approach {}\n",
                   vectorText(grasp.palm_position_m), q[0], q[1], q[2], q[3], vectorText(grasp.approach));
+  text += fmt::format("     from      {} m   lift to {} m\n", vectorText(grasp.pregrasp_position_m),
+                      vectorText(grasp.lift_position_m));
+  const double* tool = grasp.tool_quaternion_wxyz;
+  if (!std::equal(q, q + 4, tool) || !std::ranges::equal(grasp.palm_position_m, grasp.tool_position_m))
+    text += fmt::format(
+        "     tool      {} m   quaternion w x y z ({:.4f} {:.4f} {:.4f} {:.4f})   from {} m   lift to {} m\n",
+        vectorText(grasp.tool_position_m), tool[0], tool[1], tool[2], tool[3],
+        vectorText(grasp.tool_pregrasp_position_m), vectorText(grasp.tool_lift_position_m));
   text += fmt::format("     joints    spread {:.1f}, f1 {:.1f}, f2 {:.1f}, f3 {:.1f} degrees\n",
                       joints[0] * kDegrees, joints[1] * kDegrees, joints[2] * kDegrees, joints[3] * kDegrees);
   for (int finger = 0; finger < 3; ++finger)

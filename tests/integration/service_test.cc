@@ -82,14 +82,45 @@ TEST_F(Service, LocalEqualsTheDaemonsAnswer) {
   EXPECT_GT(withoutTimes(there.out)["grasps"].size(), 0u);
 }
 
+// What a request says of its robot goes over the wire, and the answer is in the robot's frame.
+TEST_F(Service, AnswersInTheRobotsFrame) {
+  startServer();
+  const std::vector<std::string> cloud = {folder / "cup.pcd", "--json",     "--top", "5",
+                                          "--table",          "0,0,0,0,0,1"};
+  const std::vector<std::string> robot = {
+      "--camera-pose", "1,2,3,0,1,0,0", "--answer-frame",      "robot",
+      "--approach",    "0,0,1",         "--approach-cone-rad", "0.4",
+      "--workspace",   "0,0,0,2,3,3",   "--forbidden",         "1.3,0,0,9,9,9"};
+  const Finished there = client("plan", cloud + robot), here = local(cloud + robot);
+  ASSERT_EQ(there.code, 0) << there.err;
+  EXPECT_EQ(withoutTimes(there.out), withoutTimes(here.out));
+  const nlohmann::json plan = withoutTimes(there.out);
+  EXPECT_EQ(plan["frame"], "robot");
+  for (const auto& grasp : plan["grasps"]) {
+    EXPECT_GT(grasp["approach"][2], std::cos(0.4)) << "the camera looks down: its z is the robot's -z";
+    EXPECT_LT(grasp["palm_pose"]["position_m"][2], 3.0);
+    EXPECT_NEAR(
+        grasp["pregrasp_pose"]["position_m"][2].get<double>() + 0.15 * grasp["approach"][2].get<double>(),
+        grasp["palm_pose"]["position_m"][2], 1e-9);
+    EXPECT_EQ(grasp["tool"]["pose"], grasp["palm_pose"]) << "no tool was told of";
+    EXPECT_EQ(grasp["lift_pose"]["quaternion_wxyz"], grasp["palm_pose"]["quaternion_wxyz"]);
+  }
+  const Finished nowhere = client("plan", cloud + std::vector<std::string>{"--workspace", "5,5,5,6,6,6"});
+  EXPECT_EQ(nowhere.code, 1);
+  EXPECT_THAT(nowhere.err, HasSubstr("stage 'reach' let none of"));
+}
+
 // The keys that the JSON of a plan promises.
 TEST_F(Service, JsonHasItsKeys) {
   const nlohmann::json plan = nlohmann::json::parse(local({folder / "cup.pcd", "--json", "--top", "1"}).out);
+  EXPECT_EQ(plan["schema"], 1);
   for (const char* key : {"outcome", "message", "model_version", "frame", "grasps", "boxes", "report"})
     EXPECT_TRUE(plan.contains(key)) << key;
   const auto& grasp = plan["grasps"].at(0);
   EXPECT_EQ(grasp["palm_pose"]["position_m"].size(), 3u);
   EXPECT_EQ(grasp["palm_pose"]["quaternion_wxyz"].size(), 4u);
+  for (const char* pose : {"pregrasp_pose", "lift_pose"})
+    EXPECT_EQ(grasp[pose]["position_m"].size(), 3u) << pose;
   for (const char* joint : {"spread", "f1", "f2", "f3"})
     EXPECT_TRUE(grasp["joints_rad"][joint].is_number()) << joint;
   ASSERT_EQ(grasp["contacts"].size(), 3u);

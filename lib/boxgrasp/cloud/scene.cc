@@ -89,7 +89,7 @@ class Taker {
   Taker(const PointCloud& cloud_C, const SceneOptions& options, const StopToken& stop)
       : cloud_C_(cloud_C), options_(options), stop_(stop) {}
 
-  Scene take(const std::optional<Vector3d>& viewpoint_C) const;
+  Scene take(const std::optional<Vector3d>& viewpoint_C, const std::optional<Plane>& table) const;
 
  private:
   std::vector<Indices> clustersOf(const Indices& points) const;
@@ -101,6 +101,7 @@ class Taker {
   Standing standingOn(const Patch& patch) const;
   Table tableOn(const Patch& patch, const std::optional<Vector3d>& viewpoint_C) const;
   std::optional<Table> findTable(const std::optional<Vector3d>& viewpoint_C) const;
+  Table given(const Plane& table) const;
   Scene withTable(Table table) const;
   Scene withoutTable() const;
   Scene whole() const;
@@ -298,8 +299,23 @@ Scene Taker::withoutTable() const {
   return large_enough <= 1 ? whole() : scene;
 }
 
-Scene Taker::take(const std::optional<Vector3d>& viewpoint_C) const {
-  if (options_.whole) return whole();
+// A table that somebody knows has no end.
+Table Taker::given(const Plane& table) const {
+  constexpr double kEnd_m = 1e6;
+  const Patch patch{table,
+                    planeFrame(table),
+                    {{-kEnd_m, -kEnd_m}, {kEnd_m, -kEnd_m}, {kEnd_m, kEnd_m}, {-kEnd_m, kEnd_m}},
+                    0};
+  return {patch, standingOn(patch)};
+}
+
+Scene Taker::take(const std::optional<Vector3d>& viewpoint_C, const std::optional<Plane>& known) const {
+  if (options_.whole) {
+    Scene scene = whole();
+    scene.table = known;
+    return scene;
+  }
+  if (known) return withTable(given(*known));
   auto table = findTable(viewpoint_C);
   return table ? withTable(std::move(*table)) : withoutTable();
 }
@@ -307,10 +323,10 @@ Scene Taker::take(const std::optional<Vector3d>& viewpoint_C) const {
 }  // namespace
 
 Scene takeApart(const PointCloud& cloud_C, const SceneOptions& options, const StopToken& stop,
-                const std::optional<Vector3d>& viewpoint_C) {
+                const std::optional<Vector3d>& viewpoint_C, const std::optional<Plane>& table) {
   options.validate();
   assert(!cloud_C.empty());
-  return Taker(cloud_C, options, stop).take(viewpoint_C);
+  return Taker(cloud_C, options, stop).take(viewpoint_C, table);
 }
 
 }  // namespace boxgrasp

@@ -52,9 +52,11 @@ struct Scene {
 // depends on where the points are alone: the same points and seed give the same objects however the points
 // were ordered. A plane patch whose clusters lie around its border or cover most of it is the side of an
 // object and not a table. Objects that touch are found as one. A cloud with no table and one cluster is
-// isolated and left whole. `viewpoint_C`, if known, orients the plane; else objects say where above is. Pre:
-// finite and not empty.
+// isolated and left whole. `viewpoint_C`, if known, orients the plane; else objects say where above is. A
+// known `table` (unit normal) is not looked for: what rises over it, wherever, stands on it, and so does a
+// cloud that is left whole. Pre: finite and not empty.
 Scene takeApart(const PointCloud& cloud_C, const SceneOptions& options = {}, const StopToken& stop = {},
-                const std::optional<Vector3d>& viewpoint_C = std::nullopt);
+                const std::optional<Vector3d>& viewpoint_C = std::nullopt,
+                const std::optional<Plane>& table = std::nullopt);
 
 }  // namespace boxgrasp

@@ -19,6 +19,8 @@ static_assert(plan_response_t::BAD_INPUT == static_cast<int>(Outcome::bad_input)
 static_assert(plan_response_t::DEADLINE == static_cast<int>(Outcome::deadline));
 static_assert(plan_response_t::CANCELLED == static_cast<int>(Outcome::cancelled));
 
+constexpr double kQuaternionRounding = 1e-3;  // four digits of a quaternion are enough
+
 void put(const Vector3d& v, double (&out)[3]) { std::copy_n(v.data(), 3, out); }
 
 void put(const Matrix3d& R, double (&wxyz)[4]) {
@@ -33,19 +35,32 @@ void put(const HandJoints& joints, double (&out)[4]) {
   std::copy(joints.inner.begin(), joints.inner.end(), out + 1);
 }
 
-grasp_t toMessage(const Grasp& grasp, int first_box) {
+void putMotion(const PlanResult& result, const Grasp& grasp, grasp_t& message) {
+  const Pose X_PT = result.X_TP.inverse();
+  const Pose X_AP = result.X_AC * grasp.X_CP, X_AT = X_AP * X_PT;
+  const Pose X_AP_pregrasp = result.X_AC * grasp.X_CP_pregrasp, X_AP_lift = result.X_AC * grasp.X_CP_lift;
+  put(X_AP.translation(), message.palm_position_m);
+  put(X_AP.linear(), message.palm_quaternion_wxyz);
+  put(X_AP_pregrasp.translation(), message.pregrasp_position_m);
+  put(X_AP_lift.translation(), message.lift_position_m);
+  put(X_AT.translation(), message.tool_position_m);
+  put(X_AT.linear(), message.tool_quaternion_wxyz);
+  put(X_AP_pregrasp * X_PT.translation(), message.tool_pregrasp_position_m);
+  put(X_AP_lift * X_PT.translation(), message.tool_lift_position_m);
+}
+
+grasp_t toMessage(const PlanResult& result, const Grasp& grasp, int first_box) {
   grasp_t message{};
   message.score = grasp.score;
-  put(grasp.X_CP.translation(), message.palm_position_m);
-  put(grasp.X_CP.linear(), message.palm_quaternion_wxyz);
+  putMotion(result, grasp, message);
   put(grasp.joints, message.joints_rad);
   put(grasp.pregrasp, message.pregrasp_rad);
   for (int finger = 0; finger < 3; ++finger) {
-    put(grasp.contacts[finger].p_C, message.contacts[finger].position_m);
-    put(grasp.contacts[finger].normal_C, message.contacts[finger].normal);
+    put(result.X_AC * grasp.contacts[finger].p_C, message.contacts[finger].position_m);
+    put(result.X_AC.linear() * grasp.contacts[finger].normal_C, message.contacts[finger].normal);
     message.contacts[finger].seen = grasp.contacts[finger].seen;
   }
-  put(grasp.approach_C, message.approach);
+  put(result.X_AC.linear() * grasp.approach_C, message.approach);
   std::copy(grasp.quality.begin(), grasp.quality.end(), message.quality);
   message.object = grasp.object;
   message.box = first_box + grasp.box;
@@ -53,10 +68,11 @@ grasp_t toMessage(const Grasp& grasp, int first_box) {
   return message;
 }
 
-box_t toMessage(const BoxNode& node, int object, int first_box) {
+box_t toMessage(const BoxNode& node, const Pose& X_AC, int object, int first_box) {
   box_t message{};
-  put(node.box.X_CB.translation(), message.center_m);
-  put(node.box.X_CB.linear(), message.quaternion_wxyz);
+  const Pose X_AB = X_AC * node.box.X_CB;
+  put(X_AB.translation(), message.center_m);
+  put(X_AB.linear(), message.quaternion_wxyz);
   put(node.box.extents, message.extents_m);
   message.points = static_cast<int>(node.points.size());
   message.parent = node.parent < 0 ? -1 : first_box + node.parent;
@@ -73,7 +89,7 @@ std::vector<int> putBoxes(const PlanResult& result, plan_response_t& message) {
   for (std::size_t object = 0; object < result.objects.size(); ++object) {
     first.push_back(static_cast<int>(message.boxes.size()));
     for (const BoxNode& node : result.objects[object].tree.nodes)
-      message.boxes.push_back(toMessage(node, static_cast<int>(object), first.back()));
+      message.boxes.push_back(toMessage(node, result.X_AC, static_cast<int>(object), first.back()));
   }
   message.num_boxes = static_cast<int>(message.boxes.size());
   return first;
@@ -108,6 +124,76 @@ Vector3d finite(const double (&values)[3], std::string_view member) {
   return v;
 }
 
+static_assert(plan_request_t::CLOUD_FRAME == 1 + static_cast<int>(AnswerFrame::cloud));
+static_assert(plan_request_t::ROBOT_FRAME == 1 + static_cast<int>(AnswerFrame::robot));
+
+void put(const Eigen::AlignedBox3d& box, double (&min_m)[3], double (&max_m)[3]) {
+  put(box.min(), min_m);
+  put(box.max(), max_m);
+}
+
+void putRobot(const RobotRequest& robot, plan_request_t& message) {
+  message.answer_frame = robot.answer_frame
+                             ? static_cast<std::int8_t>(1 + static_cast<int>(*robot.answer_frame))
+                             : plan_request_t::SERVERS_FRAME;
+  message.has_camera_pose = robot.X_RC.has_value();
+  if (robot.X_RC) {
+    put(robot.X_RC->translation(), message.camera_position_m);
+    put(robot.X_RC->linear(), message.camera_quaternion_wxyz);
+  }
+  message.has_approach = robot.approach.has_value();
+  if (robot.approach) {
+    put(robot.approach->direction_R, message.approach);
+    message.approach_cone_rad = robot.approach->half_angle_rad;
+  }
+  message.has_workspace = robot.workspace_R.has_value();
+  if (robot.workspace_R) put(*robot.workspace_R, message.workspace_min_m, message.workspace_max_m);
+  for (const Eigen::AlignedBox3d& box : robot.forbidden_R) {
+    region_t& region = message.forbidden.emplace_back();
+    put(box, region.min_m, region.max_m);
+  }
+  message.num_forbidden = static_cast<int>(message.forbidden.size());
+}
+
+Matrix3d rotation(const double (&wxyz)[4], std::string_view member) {
+  const Eigen::Quaterniond q(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
+  if (!(std::abs(q.norm() - 1) < kQuaternionRounding))
+    throw InputError(fmt::format("request: {} is ({}), but must be a unit quaternion w x y z", member,
+                                 fmt::join(wxyz, ", ")));
+  return q.normalized().toRotationMatrix();
+}
+
+// Sides may be infinite; the planner refuses boxes that are inside out.
+Eigen::AlignedBox3d box(const double (&min_m)[3], const double (&max_m)[3]) {
+  return {Vector3d(min_m), Vector3d(max_m)};
+}
+
+RobotRequest robotOf(const plan_request_t& message) {
+  RobotRequest robot;
+  if (message.answer_frame < 0 || message.answer_frame > plan_request_t::ROBOT_FRAME)
+    throw InputError(
+        fmt::format("request: answer_frame is {}, but must be 0 (the server's), 1 (the cloud's) or "
+                    "2 (the robot's)",
+                    message.answer_frame));
+  if (message.answer_frame != plan_request_t::SERVERS_FRAME)
+    robot.answer_frame = static_cast<AnswerFrame>(message.answer_frame - 1);
+  if (message.has_camera_pose)
+    robot.X_RC = makePose(rotation(message.camera_quaternion_wxyz, "camera_quaternion_wxyz"),
+                          finite(message.camera_position_m, "camera_position_m"));
+  if (message.has_approach)
+    robot.approach = {finite(message.approach, "approach"), message.approach_cone_rad};
+  if (message.has_workspace) robot.workspace_R = box(message.workspace_min_m, message.workspace_max_m);
+  for (const region_t& region : message.forbidden)
+    robot.forbidden_R.push_back(box(region.min_m, region.max_m));
+  return robot;
+}
+
+// The plane through the point.
+Plane tableOf(const plan_request_t& message) {
+  const Vector3d normal_C = finite(message.table_normal, "table_normal");
+  return {normal_C, normal_C.dot(finite(message.table_point_m, "table_point_m"))};
+}
+
 }  // namespace
 
 plan_request_t toMessage(const PlanRequest& request, const RequestEnvelope& envelope) {
@@ -123,6 +209,13 @@ plan_request_t toMessage(const PlanRequest& request, const RequestEnvelope& enve
   if (request.gravity_C) put(*request.gravity_C, message.gravity);
   message.has_viewpoint = request.viewpoint_C.has_value();
   if (request.viewpoint_C) put(*request.viewpoint_C, message.viewpoint_m);
+  message.has_table = request.table_C.has_value();
+  if (request.table_C) {
+    const Vector3d& normal_C = request.table_C->normal_C;
+    put(normal_C, message.table_normal);
+    put(request.table_C->offset_m / normal_C.squaredNorm() * normal_C, message.table_point_m);
+  }
+  putRobot(request.robot, message);
   return message;
 }
 
@@ -139,17 +232,19 @@ PlanRequest fromMessage(const plan_request_t& message) {
   request.object = message.object;
   if (message.has_gravity) request.gravity_C = finite(message.gravity, "gravity");
   if (message.has_viewpoint) request.viewpoint_C = finite(message.viewpoint_m, "viewpoint_m");
+  if (message.has_table) request.table_C = tableOf(message);
+  request.robot = robotOf(message);
   request.cloud_C = fromMessage(message.cloud);
   return request;
 }
 
 plan_response_t toMessage(const PlanResult& result, const std::string& request_id, const std::string& frame) {
-  plan_response_t message =
-      refusal(static_cast<std::int8_t>(result.outcome), result.message, request_id, frame);
+  plan_response_t message = refusal(static_cast<std::int8_t>(result.outcome), result.message, request_id,
+                                    result.frame.empty() ? frame : result.frame);
   message.model_version = result.model_version;
   const std::vector<int> first_box = putBoxes(result, message);
   for (const Grasp& grasp : result.grasps)
-    message.grasps.push_back(toMessage(grasp, first_box.at(grasp.object)));
+    message.grasps.push_back(toMessage(result, grasp, first_box.at(grasp.object)));
   message.num_grasps = static_cast<int>(message.grasps.size());
   putReport(result.report, message);
   return message;

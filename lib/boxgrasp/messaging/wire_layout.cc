@@ -59,6 +59,12 @@ constexpr WireField kGraspFields[] = {
     one("score", float64),
     fixed("palm_position_m", float64, 3),
     fixed("palm_quaternion_wxyz", float64, 4),
+    fixed("pregrasp_position_m", float64, 3),
+    fixed("lift_position_m", float64, 3),
+    fixed("tool_position_m", float64, 3),
+    fixed("tool_quaternion_wxyz", float64, 4),
+    fixed("tool_pregrasp_position_m", float64, 3),
+    fixed("tool_lift_position_m", float64, 3),
     fixed("joints_rad", float64, 4),
     fixed("pregrasp_rad", float64, 4),
     {.name = "contacts", .type = record, .record = &kContact, .fixed = 3},
@@ -89,6 +95,9 @@ constexpr WireLayout kStage{"stage_t", kStageFields};
 
 constexpr WireField kRejectionFields[] = {one("reason", text), one("count", int64)};
 constexpr WireLayout kRejection{"rejection_t", kRejectionFields};
+
+constexpr WireField kRegionFields[] = {fixed("min_m", float64, 3), fixed("max_m", float64, 3)};
+constexpr WireLayout kRegion{"region_t", kRegionFields};
 
 constexpr WireField kSignatureFields[] = {fixed("key", byte, 32), fixed("bytes", byte, 64)};
 constexpr WireLayout kSignature{"signature_t", kSignatureFields};
@@ -126,10 +135,32 @@ constexpr WireLayout kPointCloud{"lcmt_point_cloud", kPointCloudFields};
 namespace {
 
 constexpr WireField kPlanRequestFields[] = {
-    one("utime", int64),           one("request_id", text),          one("cloud", kPointCloud),
-    one("top_k", int32),           one("deadline_s", float64),       one("friction", float64),
-    one("object", int32),          one("has_gravity", boolean),      fixed("gravity", float64, 3),
-    one("has_viewpoint", boolean), fixed("viewpoint_m", float64, 3),
+    one("utime", int64),
+    one("request_id", text),
+    one("cloud", kPointCloud),
+    one("top_k", int32),
+    one("deadline_s", float64),
+    one("friction", float64),
+    one("object", int32),
+    one("has_gravity", boolean),
+    fixed("gravity", float64, 3),
+    one("has_viewpoint", boolean),
+    fixed("viewpoint_m", float64, 3),
+    one("has_table", boolean),
+    fixed("table_point_m", float64, 3),
+    fixed("table_normal", float64, 3),
+    one("answer_frame", int8),
+    one("has_camera_pose", boolean),
+    fixed("camera_position_m", float64, 3),
+    fixed("camera_quaternion_wxyz", float64, 4),
+    one("has_approach", boolean),
+    fixed("approach", float64, 3),
+    one("approach_cone_rad", float64),
+    one("has_workspace", boolean),
+    fixed("workspace_min_m", float64, 3),
+    fixed("workspace_max_m", float64, 3),
+    one("num_forbidden", int32),
+    many("forbidden", kRegion, "num_forbidden", kMaxRows),
 };
 
 constexpr WireField kPlanResponseFields[] = {

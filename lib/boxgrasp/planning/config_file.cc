@@ -125,6 +125,21 @@ struct ConfigFile::Impl {
     into = from_file;
   }
 
+  template <std::size_t n>
+  std::array<double, n> numbers(const toml::node& node, const std::string& key) const {
+    const toml::array* array = node.as_array();
+    if (!array || array->size() != n)
+      fail(node.source(), fmt::format("'{}' must be a list of {} numbers", key, n));
+    std::array<double, n> from_file{};
+    for (std::size_t i = 0; i < n; ++i)
+      from_file[i] = value<double>(*array->get(i), key, "a list of numbers");
+    return from_file;
+  }
+  template <std::size_t n>
+  void readNumbers(const std::string& section, const std::string& key, std::array<double, n>& into) {
+    if (const toml::node* node = find(section, key)) assign(section, key, into, numbers<n>(*node, key));
+  }
+
   void refuseUnknownKeys(const std::string& section, const toml::table& keys) const {
     const auto known_here = known.find(section);
     const std::set<std::string> names =
@@ -190,15 +205,22 @@ void ConfigFile::read(const std::string& section, const std::string& key, std::s
   impl_->read(section, key, value, "a text in quotes");
 }
 
+void ConfigFile::read(const std::string& section, const std::string& key, std::array<double, 3>& value) {
+  impl_->readNumbers(section, key, value);
+}
+
 void ConfigFile::read(const std::string& section, const std::string& key, std::array<double, 4>& value) {
+  impl_->readNumbers(section, key, value);
+}
+
+void ConfigFile::read(const std::string& section, const std::string& key,
+                      std::vector<std::array<double, 6>>& value) {
   const toml::node* node = impl_->find(section, key);
   if (!node) return;
   const toml::array* array = node->as_array();
-  if (!array || array->size() != value.size())
-    impl_->fail(node->source(), fmt::format("'{}' must be a list of {} numbers", key, value.size()));
-  std::array<double, 4> from_file{};
-  for (std::size_t i = 0; i < from_file.size(); ++i)
-    from_file[i] = impl_->value<double>(*array->get(i), key, "a list of numbers");
+  if (!array) impl_->fail(node->source(), fmt::format("'{}' must be a list of lists of 6 numbers", key));
+  std::vector<std::array<double, 6>> from_file;
+  for (const toml::node& one : *array) from_file.push_back(impl_->numbers<6>(one, key));
   impl_->assign(section, key, value, from_file);
 }
 

@@ -30,7 +30,9 @@ class ConfigFile {
   void read(const std::string& section, const std::string& key, std::uint64_t& value);
   void read(const std::string& section, const std::string& key, double& value);
   void read(const std::string& section, const std::string& key, std::string& value);
+  void read(const std::string& section, const std::string& key, std::array<double, 3>& value);
   void read(const std::string& section, const std::string& key, std::array<double, 4>& value);
+  void read(const std::string& section, const std::string& key, std::vector<std::array<double, 6>>& value);
 
   // The same for one of several names; `value` is an index into them.
   void read(const std::string& section, const std::string& key, int& value,

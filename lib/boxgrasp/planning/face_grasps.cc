@@ -131,6 +131,24 @@ bool isClear(const FaceWork& work, const ApproachColumns& scene_F, Grasp& grasp,
   return clearance.pregrasp.has_value();
 }
 
+// The way in and the way out.
+void addMotion(const FaceWork& work, Grasp& grasp) {
+  grasp.X_CP_pregrasp = grasp.X_CP_lift = grasp.X_CP;
+  grasp.X_CP_pregrasp.translation() -= work.options.clearance.approach_m * grasp.approach_C;
+  grasp.X_CP_lift.translation() -= work.options.robot.lift_m * work.gravity_C.value_or(grasp.approach_C);
+}
+
+bool isInReach(const FaceWork& work, const Grasp& grasp, Tally& tally) {
+  if (!work.robot.restrictsReach()) return true;
+  const StageTimer timer(tally, StageId::reach);
+  const auto obstacle = work.robot.obstacle(
+      work.hand, {grasp.X_CP_pregrasp, grasp.X_CP, grasp.X_CP_lift, grasp.pregrasp, grasp.joints},
+      work.options.clearance.closing_steps);
+  tally.count(StageId::reach, 1, !obstacle);
+  if (obstacle) tally.reject(*obstacle);
+  return !obstacle;
+}
+
 Vector2d shapeCentroid(const FaceImage& image) {
   Vector2d sum = Vector2d::Zero();
   double n = 0;
@@ -171,8 +189,9 @@ std::vector<Grasp> clearGrasps(const FaceWork& work, const Face& face, const std
   for (const HandConfiguration& configuration : configurations) {
     work.stop.check();
     Grasp grasp = graspFrom(work, face, triplets[configuration.triplet], configuration);
+    addMotion(work, grasp);
     if (touchesSurface(work, face, grasp, tally) && holdsByForce(work, grasp, tally) &&
-        isClear(work, scene_F, grasp, tally)) {
+        isClear(work, scene_F, grasp, tally) && isInReach(work, grasp, tally)) {
       grasps.push_back(std::move(grasp));
     }
   }

@@ -17,6 +17,8 @@ struct FaceWork {
   const PointGrid& object_grid_C;              // the object's own points: where contacts are
   const PointGrid& scene_grid_C;               // all points: what the hand may meet
   const std::optional<Vector3d>& viewpoint_C;  // where the sensor stood
+  const Robot& robot;
+  const std::optional<Vector3d>& gravity_C;  // unit
   const StopToken& stop;
 };
 

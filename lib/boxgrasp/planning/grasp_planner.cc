@@ -51,6 +51,14 @@ void keepDistinct(const PlannerOptions& options, int top_k, const StopToken& sto
   tally.count(StageId::distinct, before, grasps.size());
 }
 
+void describeAnswer(const RobotOptions& options, const PlanRequest& request, PlanResult& result) {
+  const Robot robot(options, request.robot);
+  result.X_TP = robot.X_TP();
+  if (robot.answerFrame() == AnswerFrame::cloud) return;
+  result.frame = options.frame;
+  result.X_AC = robot.X_RC();
+}
+
 void conclude(PlanResult& result, const Tally& tally) {
   result.outcome = result.grasps.empty() ? Outcome::no_grasp : Outcome::grasps;
   result.message = result.grasps.empty() ? whyNoGrasp(tally) : fmt::format("{} grasps", result.grasps.size());
@@ -110,6 +118,7 @@ void PlannerOptions::validate() const {
   configurations.validate();
   contacts.validate();
   clearance.validate();
+  robot.validate();
   requireOption(merge_distance_m >= 0, "merge_distance_m", merge_distance_m, "at least 0");
   requireOption(merge_angle_rad >= 0, "merge_angle_rad", merge_angle_rad, "at least 0");
   requireOption(threads >= 0, "threads", threads, "at least 0");
@@ -134,6 +143,7 @@ PlanResult GraspPlanner::plan(const PlanRequest& request, const StopToken& stop,
   try {
     stop.check();
     requireOption(request.top_k >= 0, "top_k", request.top_k, "at least 0");
+    describeAnswer(options_.robot, request, result);
     findHypotheses(hand_, options_, request, stop, trace, result, tally);
     rank(model_, options_, request.friction, stop, result, tally);
     keepDistinct(options_, request.top_k, stop, result.grasps, tally);

@@ -25,11 +25,22 @@ PlannerOptions withFriction(PlannerOptions options, double friction) {
   return options;
 }
 
-std::optional<Vector3d> unitGravity(const PlanRequest& request, const std::optional<Plane>& table) {
+std::optional<Vector3d> unitGravity(const PlanRequest& request, const Robot& robot,
+                                    const std::optional<Plane>& table) {
+  if (!request.gravity_C && robot.gravity_C()) return robot.gravity_C();
   if (!request.gravity_C) return table ? std::optional<Vector3d>(-table->normal_C) : std::nullopt;
   const double norm = request.gravity_C->norm();
   requireOption(std::isfinite(norm) && norm > 0, "gravity", norm, "a finite vector that is not zero");
   return *request.gravity_C / norm;
+}
+
+// The request's table with a unit normal.
+std::optional<Plane> givenTable(const PlanRequest& request) {
+  if (!request.table_C) return std::nullopt;
+  const double norm = request.table_C->normal_C.norm();
+  requireOption(std::isfinite(norm) && norm > 0, "the table's normal", norm,
+                "a finite vector that is not zero");
+  return Plane{request.table_C->normal_C / norm, request.table_C->offset_m / norm};
 }
 
 // The rest of the scene, without the points of any object.
@@ -56,7 +67,8 @@ class HypothesisSearch {
         trace_(trace),
         result_(result),
         tally_(tally),
-        options_(withFriction(options, request.friction)) {}
+        options_(withFriction(options, request.friction)),
+        robot_(options.robot, request.robot) {}
 
   void run() {
     const FiniteCloud finite = validated(request_.cloud_C, options_.validation);
@@ -79,20 +91,20 @@ class HypothesisSearch {
 
   void takeSceneApart(const PointCloud& cloud_C) {
     const StageTimer timer(tally_, StageId::scene);
-    scene_ = takeApart(cloud_C, options_.scene, stop_, request_.viewpoint_C);
+    scene_ = takeApart(cloud_C, options_.scene, stop_, request_.viewpoint_C, givenTable(request_));
     tally_.count(StageId::scene, cloud_C.size(), scene_.objects.size());
     tally_.reject("point of the background", scene_.background_points);
     tally_.reject("point of a small cluster", scene_.small_cluster_points);
     if (scene_.table)
-      note(fmt::format("a table was found ({} points) and {} objects on it", scene_.table_points,
-                       scene_.objects.size()));
+      note(fmt::format("a table was {} ({} points) and {} objects on it",
+                       request_.table_C ? "given" : "found", scene_.table_points, scene_.objects.size()));
     const int objects = static_cast<int>(scene_.objects.size());
     if (request_.object >= objects && objects > 0) {
       throw InputError(
           fmt::format("object {} was asked for, but the scene has {} (numbered from 0, the largest first)",
                       request_.object, objects));
     }
-    surroundings_ = {unitGravity(request_, scene_.table), request_.viewpoint_C};
+    surroundings_ = {unitGravity(request_, robot_, scene_.table), request_.viewpoint_C};
   }
 
   void cleanObjects(const PointCloud& cloud_C) {
@@ -165,12 +177,39 @@ class HypothesisSearch {
     return decisions;
   }
 
+  // A hand comes along the z of the face that it grasps at.
+  void keepAllowedApproaches(std::vector<FaceDecision>& decisions) {
+    if (!robot_.restrictsApproach()) return;
+    const StageTimer timer(tally_, StageId::approach);
+    std::size_t graspable = 0, allowed = 0;
+    for (FaceDecision& decision : decisions) {
+      if (!decision.graspable()) continue;
+      ++graspable;
+      if (robot_.mayComeAlong(decision.face.X_CF.linear().col(2))) {
+        ++allowed;
+      } else {
+        decision.rejection = FaceRejection::not_allowed;
+        tally_.reject(describe(decision.rejection));
+      }
+    }
+    tally_.count(StageId::approach, graspable, allowed);
+  }
+
   void graspObject(int index, const PointGrid& scene_grid_C) {
     const PlannedObject& object = result_.objects[index];
     const PointGrid object_grid_C(object.cloud_C, kObjectCell_m);
-    const FaceWork work{hand_, options_, object, index, object_grid_C, scene_grid_C, request_.viewpoint_C,
+    const FaceWork work{hand_,
+                        options_,
+                        object,
+                        index,
+                        object_grid_C,
+                        scene_grid_C,
+                        request_.viewpoint_C,
+                        robot_,
+                        surroundings_.gravity_C,
                         stop_};
-    const std::vector<FaceDecision> decisions = facesOf(object, scene_grid_C);
+    std::vector<FaceDecision> decisions = facesOf(object, scene_grid_C);
+    keepAllowedApproaches(decisions);
 
     std::vector<std::vector<Grasp>> grasps(decisions.size());
     std::vector<Tally> tallies(decisions.size());
@@ -195,6 +234,7 @@ class HypothesisSearch {
   PlanResult& result_;
   Tally& tally_;
   PlannerOptions options_;
+  Robot robot_;
   Scene scene_;
   Surroundings surroundings_;
   PointCloud scene_C_;

@@ -11,6 +11,7 @@
 #include "boxgrasp/decomposition/decompose.h"
 #include "boxgrasp/hand/clearance.h"
 #include "boxgrasp/hand/contacts.h"
+#include "boxgrasp/planning/robot.h"
 #include "boxgrasp/projection/face_image.h"
 #include "boxgrasp/quality/measures.h"
 #include "boxgrasp/ranking/model_file.h"
@@ -31,6 +32,7 @@ struct PlannerOptions {
   ConfigurationOptions configurations;
   ContactOptions contacts;
   ClearanceOptions clearance;
+  RobotOptions robot;
   DepthModel depth_model = DepthModel::exact;
   bool require_force_closure =
       true;  // drop grasps whose contacts are not in force closure; off: the network alone decides
@@ -43,12 +45,14 @@ struct PlannerOptions {
 // What one request may choose.
 struct PlanRequest {
   PointCloud cloud_C;
-  int top_k = 10;         // grasps in the answer; 0 = all
-  double friction = 0.4;  // Coulomb coefficient of finger on object
-  int object = -1;        // plan this object of a scene alone (largest first); -1: all
-  std::optional<Vector3d>
-      gravity_C;  // direction of gravity (any length); unknown: the table says, if there is one
+  int top_k = 10;                       // grasps in the answer; 0 = all
+  double friction = 0.4;                // Coulomb coefficient of finger on object
+  int object = -1;                      // plan this object of a scene alone (largest first); -1: all
+  std::optional<Vector3d> gravity_C;    // direction of gravity (any length); else the robot's options say, or
+                                        // the table, if there is one
   std::optional<Vector3d> viewpoint_C;  // where the sensor stood
+  std::optional<Plane> table_C;  // what the objects stand on (normal of any length); else it is looked for
+  RobotRequest robot;
 };
 
 enum class Outcome { grasps, no_grasp, bad_input, deadline, cancelled };
@@ -57,6 +61,8 @@ std::string_view describe(Outcome outcome);
 struct Grasp {
   double score = NAN;                      // of the network; higher is better
   Pose X_CP = Pose::Identity();            // the palm in the cloud's frame; see HandDescription for P
+  Pose X_CP_pregrasp = Pose::Identity();   // from where it comes straight in
+  Pose X_CP_lift = Pose::Identity();       // where it lifts the object to
   HandJoints joints;                       // closed on the object
   HandJoints pregrasp;                     // opened for the approach
   std::array<SurfaceContact, 3> contacts;  // by finger: F1, F2, F3 (thumb)
@@ -113,7 +119,10 @@ struct PlanResult {
   std::string
       message;  // one sentence; for no_grasp: the stage that removed the last candidate, the counts, the knob
   std::string model_version;
-  std::vector<Grasp> grasps;  // best first
+  std::string frame;             // of the answer, where it is not the cloud's: the name of the robot's
+  Pose X_AC = Pose::Identity();  // the cloud in the frame of the answer; all poses here are in C
+  Pose X_TP = Pose::Identity();  // the palm in the frame of the robot's tool
+  std::vector<Grasp> grasps;     // best first
   std::vector<PlannedObject> objects;
   PlanReport report;
 };

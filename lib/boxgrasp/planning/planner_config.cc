@@ -115,6 +115,18 @@ void read(Section section, ClearanceOptions& options) {
   section("min_opening_rad", min_opening_rad)("closing_steps", closing_steps);
 }
 
+void read(Section section, RobotOptions& options) {
+  auto& [frame, answer_frame, camera_position_m, camera_quaternion_wxyz, palm_position_m,
+         palm_quaternion_wxyz, gravity, approach, approach_cone_rad, workspace_min_m, workspace_max_m,
+         forbidden_m, lift_m] = options;
+  section("frame", frame)("answer_frame", answer_frame, {"cloud", "robot"});
+  section("camera_position_m", camera_position_m)("camera_quaternion_wxyz", camera_quaternion_wxyz);
+  section("palm_position_m", palm_position_m)("palm_quaternion_wxyz", palm_quaternion_wxyz);
+  section("gravity", gravity)("approach", approach)("approach_cone_rad", approach_cone_rad);
+  section("workspace_min_m", workspace_min_m)("workspace_max_m", workspace_max_m);
+  section("forbidden_m", forbidden_m)("lift_m", lift_m);
+}
+
 template <typename Options>
 void readStage(ConfigFile& file, const std::string& section, Options& options) {
   read(Section(file, section), options);
@@ -126,7 +138,7 @@ void readStage(ConfigFile& file, const std::string& section, Options& options) {
 PlannerOptions readPlannerOptions(ConfigFile& file) {
   PlannerOptions options;
   auto& [validation, scene, clean, decomposition, faces, image, contours, regions, triplets, configurations,
-         contacts, clearance, depth_model, require_force_closure, merge_distance_m, merge_angle_rad,
+         contacts, clearance, robot, depth_model, require_force_closure, merge_distance_m, merge_angle_rad,
          threads] = options;
   readStage(file, "validation", validation);
   readStage(file, "scene", scene);
@@ -140,6 +152,7 @@ PlannerOptions readPlannerOptions(ConfigFile& file) {
   readStage(file, "configurations", configurations);
   readStage(file, "contacts", contacts);
   readStage(file, "clearance", clearance);
+  readStage(file, "robot", robot);
   Section planner(file, "planner");
   planner("depth_model", depth_model, {"exact", "linear"})("require_force_closure", require_force_closure);
   planner("merge_distance_m", merge_distance_m)("merge_angle_rad", merge_angle_rad)("threads", threads);

@@ -14,6 +14,8 @@ constexpr std::array<StageText, kStageCount> kStages{{
     {"decomposition", "objects", "leaf boxes", "decomposition.gain_t"},
     {"faces", "faces", "graspable faces",
      "faces.max_aperture_m, faces.max_blocked_fraction, or the direction of gravity"},
+    {"approach", "graspable faces", "faces from where the robot may come",
+     "robot.approach_cone_rad, robot.approach, or the request's approach and camera pose"},
     {"images", "graspable faces", "images with points", "image.pixel_m"},
     {"regions", "contours", "regions",
      "regions.min_length_m, regions.max_curvature_rad, or contours.splat_spacings for a sparse cloud"},
@@ -25,6 +27,9 @@ constexpr std::array<StageText, kStageCount> kStages{{
      "the friction coefficient, require_force_closure = false"},
     {"clearance", "in force closure", "clear of collisions",
      "clearance.skin_m, clearance.approach_m, decomposition.gain_t"},
+    {"reach", "clear of collisions", "in the robot's reach",
+     "robot.workspace_min_m, robot.workspace_max_m, robot.forbidden_m, or the camera pose: what is forbidden "
+     "is in the robot's frame"},
     {"ranking", "clear of collisions", "scored", "the model"},
     {"distinct", "scored", "grasps returned", "merge_distance_m"},
 }};

@@ -16,6 +16,7 @@ enum class StageId {
   clean,
   decomposition,
   faces,
+  approach,
   images,
   regions,
   triplets,
@@ -23,10 +24,11 @@ enum class StageId {
   contacts,
   force_closure,
   clearance,
+  reach,
   ranking,
   distinct,
 };
-inline constexpr std::size_t kStageCount = 13;
+inline constexpr std::size_t kStageCount = 15;
 
 struct StageText {
   std::string_view name;

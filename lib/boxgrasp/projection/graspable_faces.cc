@@ -139,6 +139,8 @@ std::string_view describe(FaceRejection rejection) {
       return "face wider than the hand opens";
     case FaceRejection::too_narrow:
       return "face too narrow for a finger";
+    case FaceRejection::not_allowed:
+      return "face from where the robot may not come";
     case FaceRejection::too_shallow:
       return "box too shallow under the face";
   }

@@ -33,6 +33,7 @@ enum class FaceRejection {
   too_wide,     // wider than the hand opens
   too_narrow,   // no room for a finger
   too_shallow,  // less deep than a fingertip needs
+  not_allowed,  // the robot may not come from there; nothing in this room says so
 };
 std::string_view describe(FaceRejection rejection);  // e.g. "face blocked by other points"
 

@@ -130,6 +130,29 @@ TEST(TakeApart, TheOrderOfThePointsDoesNotMatter) {
   }
 }
 
+// A table that is told needs no points, and objects on it are as on one that is seen; what lies under it is
+// not.
+TEST(TakeApart, ATableThatIsToldIsNotLookedFor) {
+  std::mt19937_64 random(12);
+  Labelled made;
+  addBox(made, 1, {-0.25, -0.1, 0.004}, {0.12, 0.10, 0.15}, random);
+  addBox(made, 2, {0.1, -0.1, 0.004}, {0.08, 0.08, 0.08}, random);
+  addBox(made, -1, {-0.1, -0.1, -0.5}, {0.2, 0.2, 0.2}, random);
+  const Plane table{Vector3d::UnitZ(), 0.0};
+  const Scene scene = takeApart(made.cloud, {}, {}, std::nullopt, table);
+  ASSERT_TRUE(scene.table);
+  ASSERT_EQ(scene.objects.size(), 2u);
+  for (std::size_t object = 0; object < 2; ++object) {
+    for (const std::uint32_t i : scene.objects[object])
+      EXPECT_EQ(made.labels[i], static_cast<int>(object) + 1);
+  }
+  SceneOptions whole;
+  whole.whole = true;
+  const Scene left_whole = takeApart(made.cloud, whole, {}, std::nullopt, table);
+  EXPECT_TRUE(left_whole.isolated);
+  EXPECT_TRUE(left_whole.table) << "the hand must not meet it";
+}
+
 TEST(TakeApart, AWallLargerThanTheTableIsNoTable) {
   std::mt19937_64 random(3);
   Labelled made = tableWithBoxes(random);

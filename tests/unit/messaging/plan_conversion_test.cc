@@ -39,6 +39,29 @@ TEST(PlanConversion, RequestRoundTrip) {
   EXPECT_EQ(back.viewpoint_C.value(), *request.viewpoint_C);
 }
 
+TEST(PlanConversion, WhatARequestSaysOfItsRobotComesBack) {
+  std::mt19937_64 random(6);
+  PlanRequest request;
+  request.table_C = Plane{Vector3d(0, 0, 2), 1.4};
+  request.robot.X_RC = test::randomPose(random);
+  request.robot.answer_frame = AnswerFrame::robot;
+  request.robot.approach = {Vector3d(1, 2, -3), 0.4};
+  request.robot.workspace_R = Eigen::AlignedBox3d(Vector3d(-INFINITY, -1, 0), Vector3d(1, 2, INFINITY));
+  request.robot.forbidden_R = {Eigen::AlignedBox3d(Vector3d(0, 1, 2), Vector3d(3, 4, 5))};
+  const PlanRequest back =
+      fromMessage(decoded<plan_request_t>(encoded(toMessage(request, {"id", "f", 0, 0}))));
+  EXPECT_NEAR(back.table_C.value().offset_m / back.table_C->normal_C.norm(), 0.7, 1e-12);
+  EXPECT_TRUE(back.table_C->normal_C.normalized().isApprox(Vector3d::UnitZ()));
+  EXPECT_TRUE(back.robot.X_RC.value().isApprox(*request.robot.X_RC, 1e-12));
+  EXPECT_EQ(back.robot.answer_frame, AnswerFrame::robot);
+  EXPECT_EQ(back.robot.approach.value().direction_R, Vector3d(1, 2, -3));
+  EXPECT_EQ(back.robot.approach->half_angle_rad, 0.4);
+  EXPECT_EQ(back.robot.workspace_R.value().min(), request.robot.workspace_R->min());
+  EXPECT_EQ(back.robot.workspace_R->max(), request.robot.workspace_R->max());
+  ASSERT_EQ(back.robot.forbidden_R.size(), 1u);
+  EXPECT_EQ(back.robot.forbidden_R[0].max(), Vector3d(3, 4, 5));
+}
+
 TEST(PlanConversion, ZerosAskForDefaults) {
   plan_request_t message{};
   message.cloud = toMessage(PointCloud{}, "f");
@@ -47,6 +70,9 @@ TEST(PlanConversion, ZerosAskForDefaults) {
   EXPECT_EQ(request.friction, PlanRequest{}.friction);
   EXPECT_FALSE(request.gravity_C);
   EXPECT_FALSE(request.viewpoint_C);
+  EXPECT_FALSE(request.table_C);
+  EXPECT_FALSE(request.robot.X_RC || request.robot.answer_frame || request.robot.approach ||
+               request.robot.workspace_R || !request.robot.forbidden_R.empty());
 }
 
 TEST(PlanConversion, RefusesImpossibleNumbersAndSaysWhich) {
@@ -69,6 +95,11 @@ TEST(PlanConversion, RefusesImpossibleNumbersAndSaysWhich) {
               HasSubstr("gravity is (0, inf, -1)"));
   EXPECT_THAT(problem([](plan_request_t& m) { m.has_viewpoint = 1, m.viewpoint_m[0] = NAN; }),
               HasSubstr("viewpoint_m is (nan"));
+  EXPECT_THAT(problem([](plan_request_t& m) { m.answer_frame = 3; }), HasSubstr("answer_frame is 3"));
+  EXPECT_THAT(problem([](plan_request_t& m) { m.has_camera_pose = 1; }),
+              HasSubstr("camera_quaternion_wxyz is (0, 0, 0, 0)"));
+  EXPECT_THAT(problem([](plan_request_t& m) { m.has_table = 1, m.table_normal[2] = NAN; }),
+              HasSubstr("table_normal is (0, 0, nan)"));
 }
 
 // Two objects with trees of two and one boxes, and a grasp on each.
@@ -140,6 +171,48 @@ TEST(PlanConversion, GraspsKeepTheirNumbers) {
     EXPECT_TRUE(std::equal(grasp.quality.begin(), grasp.quality.end(), message.quality));
     EXPECT_EQ(message.score, grasp.score);
     EXPECT_EQ(message.face, 5);
+  }
+}
+
+// An answer in the robot's frame is the same answer moved; tool and palm keep their distance.
+TEST(PlanConversion, AnswersMoveIntoTheRobotsFrame) {
+  std::mt19937_64 random(7);
+  PlanResult result = twoObjects(random);
+  for (Grasp& grasp : result.grasps) {
+    grasp.X_CP_pregrasp = makePose(grasp.X_CP.linear(), {1, 2, 3});
+    grasp.X_CP_lift = makePose(grasp.X_CP.linear(), {4, 5, 6});
+    for (SurfaceContact& contact : grasp.contacts) contact.p_C = {0.1, 0.2, 0.3};
+    grasp.approach_C = grasp.X_CP.linear().col(2);
+  }
+  const plan_response_t in_cloud = toMessage(result, "id", "camera");
+  const Pose X_RC = test::randomPose(random), X_TP = test::randomPose(random);
+  result.X_AC = X_RC;
+  result.X_TP = X_TP;
+  result.frame = "arm";
+  const plan_response_t in_robot = toMessage(result, "id", "camera");
+  EXPECT_EQ(in_cloud.frame, "camera");
+  EXPECT_EQ(in_robot.frame, "arm");
+  const auto pose = [](const double* p, const double* q) {
+    return makePose(Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix(), Vector3d(p));
+  };
+  const auto same = [](const Pose& a, const Pose& b) { return a.isApprox(b, 1e-9); };
+  for (std::size_t i = 0; i < 2; ++i) {
+    const grasp_t &c = in_cloud.grasps[i], &r = in_robot.grasps[i];
+    const auto palm = [&](const grasp_t& g, const double* p) { return pose(p, g.palm_quaternion_wxyz); };
+    const auto tool = [&](const grasp_t& g, const double* p) { return pose(p, g.tool_quaternion_wxyz); };
+    EXPECT_TRUE(same(X_RC * palm(c, c.palm_position_m), palm(r, r.palm_position_m)));
+    EXPECT_TRUE(same(X_RC * palm(c, c.pregrasp_position_m), palm(r, r.pregrasp_position_m)));
+    EXPECT_TRUE(same(X_RC * palm(c, c.lift_position_m), palm(r, r.lift_position_m)));
+    EXPECT_TRUE(same(tool(c, c.tool_position_m), palm(c, c.palm_position_m))) << "no tool was told of";
+    EXPECT_TRUE(same(tool(r, r.tool_position_m) * X_TP, palm(r, r.palm_position_m)));
+    EXPECT_TRUE(same(tool(r, r.tool_pregrasp_position_m) * X_TP, palm(r, r.pregrasp_position_m)));
+    EXPECT_TRUE(same(tool(r, r.tool_lift_position_m) * X_TP, palm(r, r.lift_position_m)));
+    EXPECT_TRUE((X_RC * Vector3d(0.1, 0.2, 0.3)).isApprox(Vector3d(r.contacts[1].position_m), 1e-9));
+    EXPECT_TRUE((X_RC.linear() * Vector3d(c.approach)).isApprox(Vector3d(r.approach), 1e-9));
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    const box_t &c = in_cloud.boxes[i], &r = in_robot.boxes[i];
+    EXPECT_TRUE(same(X_RC * pose(c.center_m, c.quaternion_wxyz), pose(r.center_m, r.quaternion_wxyz)));
   }
 }
 

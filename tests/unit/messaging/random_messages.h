@@ -29,6 +29,9 @@ inline plan_request_t randomRequest(std::mt19937_64& random, std::size_t points 
   message.object = -1;
   message.has_gravity = 1;
   message.gravity[2] = -1;
+  message.forbidden.resize(2);
+  for (region_t& region : message.forbidden) region = {{-1, -1, -1}, {uniform(random), 1, 1}};
+  message.num_forbidden = 2;
   return message;
 }
 

@@ -64,6 +64,11 @@ TEST(PlannerConfig, ReadsEveryType) {
     max_leaves = 8
     [clearance]
     openings_rad = [0, 0.1, 0.2, 0.3]
+    [robot]
+    answer_frame = "robot"
+    approach = [1, 0.5, 0]
+    workspace_max_m = [1.0, 2.0, inf]
+    forbidden_m = [[0, 0, 0, 1, 1, 1], [2, 2, 2, 3, 3, inf]]
     [planner]
     depth_model = "linear"
   )");
@@ -74,6 +79,11 @@ TEST(PlannerConfig, ReadsEveryType) {
   EXPECT_EQ(options.decomposition.gain, GainMeasure::local);
   EXPECT_EQ(options.decomposition.max_leaves, 8);
   EXPECT_THAT(options.clearance.openings_rad, ElementsAre(0, 0.1, 0.2, 0.3));
+  EXPECT_EQ(options.robot.answer_frame, AnswerFrame::robot);
+  EXPECT_THAT(options.robot.approach, ElementsAre(1, 0.5, 0));
+  EXPECT_THAT(options.robot.workspace_max_m, ElementsAre(1, 2, RobotOptions::kUnbounded));
+  ASSERT_EQ(options.robot.forbidden_m.size(), 2u);
+  EXPECT_THAT(options.robot.forbidden_m[1], ElementsAre(2, 2, 2, 3, 3, RobotOptions::kUnbounded));
   EXPECT_EQ(options.depth_model, DepthModel::linear);
 }
 
