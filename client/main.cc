@@ -9,7 +9,9 @@
 #include "boxgrasp/models_request_t.hpp"
 #include "commands.h"
 #include "feedback_command.h"
+#include "log_commands.h"
 #include "models_command.h"
+#include "monitor_command.h"
 #include "plan_json.h"
 #include "remote.h"
 
@@ -153,6 +155,42 @@ CLI::App* addFeedback(CLI::App& app, FeedbackCommand& command, PlanCommand& outp
   return sub;
 }
 
+CLI::App* addMonitor(CLI::App& app, MonitorCommand& command) {
+  CLI::App* sub =
+      app.add_subcommand("monitor", "show what is said on the bus: rates, sizes, losses, latest values");
+  sub->add_option("--channel", command.channels, "channels to listen to; '*' stands for any text")
+      ->capture_default_str();
+  sub->add_option("--seconds", command.seconds, "end after so long; else when interrupted")
+      ->check(CLI::PositiveNumber);
+  sub->add_flag("--once", command.once, "listen for a while, and print one table");
+  addOutputOptions(*sub, command.lcm_url, command.json);
+  return sub;
+}
+
+struct LogApps {
+  CLI::App *record, *replay;
+};
+
+LogApps addLogs(CLI::App& app, LogCommand& command) {
+  const auto add = [&](const char* name, const char* what) {
+    CLI::App* sub = app.add_subcommand(name, what);
+    sub->add_option("file", command.file, "LCM event log; lcm-logplayer plays it, lcm-logger makes such ones")
+        ->required();
+    sub->add_option("--channel", command.channels, "channels; '*' stands for any text")
+        ->capture_default_str();
+    addOutputOptions(*sub, command.lcm_url, command.json);
+    return sub;
+  };
+  const LogApps apps{add("record", "write what is said on the bus into a file"),
+                     add("replay", "say what is in such a file again")};
+  apps.record->add_option("--seconds", command.seconds, "end after so long; else when interrupted")
+      ->check(CLI::PositiveNumber);
+  apps.replay->add_option("--speed", command.speed, "times as fast as it was recorded")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  return apps;
+}
+
 // A problem that ended the command: as words on stderr, and as JSON where that was asked for.
 int fail(const PlanCommand& command, bool json, const std::string& outcome, const std::string& message,
          int code) {
@@ -191,8 +229,13 @@ int main(int argc, char** argv) {
   const ModelsApps models = addModels(app, models_command, command);
   FeedbackCommand feedback_command;
   const CLI::App* feedback = addFeedback(app, feedback_command, command);
+  MonitorCommand monitor_command;
+  const CLI::App* monitor = addMonitor(app, monitor_command);
+  LogCommand log_command;
+  const LogApps logs = addLogs(app, log_command);
   try {
     app.parse(argc, argv);
+    command.json |= monitor_command.json || log_command.json;
     if (show->parsed()) {
       command.local = true;
       if (!command.draws()) throw CLI::RequiredError("--picture or --html");
@@ -206,6 +249,9 @@ int main(int argc, char** argv) {
     if (explain->parsed()) return runExplain(command);
     if (show->parsed()) return runShow(command);
     if (models.all->parsed()) return runModels(models, models_command, command);
+    if (monitor->parsed()) return runMonitor(monitor_command);
+    if (logs.record->parsed()) return runRecord(log_command);
+    if (logs.replay->parsed()) return runReplay(log_command);
     if (feedback->parsed()) return runFeedback(feedback_command, command.lcm_url, command.json);
     return runStatus(command.lcm_url, command.json);
   } catch (const InputError& error) {

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <chrono>
-#include <csignal>
 
 #include "boxgrasp/base/error.h"
 #include "boxgrasp/messaging/channels.h"
 #include "boxgrasp/messaging/plan_conversion.h"
+#include "interruption.h"
 
 namespace boxgrasp {
 namespace {
@@ -32,21 +32,6 @@ double secondsSince(Clock::time_point start) {
       "with --lcm-url, or plan without a server: --local",
       lcm_url));
 }
-
-volatile std::sig_atomic_t interrupted = 0;
-void interrupt(int) { interrupted = 1; }
-
-// Until the end of its life, Ctrl-C sets `interrupted` instead of ending the program.
-class InterruptGuard {
- public:
-  InterruptGuard() : before_(std::signal(SIGINT, interrupt)) { interrupted = 0; }
-  ~InterruptGuard() { std::signal(SIGINT, before_); }
-  InterruptGuard(const InterruptGuard&) = delete;
-  InterruptGuard& operator=(const InterruptGuard&) = delete;
-
- private:
-  void (*before_)(int);
-};
 
 }  // namespace
 
@@ -102,10 +87,7 @@ void Remote::resendIfLost() {
   send();
 }
 
-void Remote::cancelIfInterrupted() {
-  if (!interrupted) return;
-  std::signal(SIGINT, SIG_DFL);  // a second one ends the program
-  interrupted = 0;
+void Remote::cancel() {
   fmt::print(stderr, "boxgrasp: cancelling\n");
   bus_.publish(channel::kCancel, cancel_t{utimeNow(), request_id_});
 }
@@ -121,7 +103,7 @@ void Remote::giveUpIfLate(double patience_s) const {
 }
 
 plan_response_t Remote::plan(const RemotePlan& plan) {
-  const InterruptGuard guard;
+  Interruption interruption;
   request_id_ = plan.request_id.empty() ? newRequestId() : plan.request_id;
   request_ = encoded(toMessage(plan.request, {request_id_, plan.frame, plan.deadline_s, utimeNow()}));
   if (request_.size() > kSafeBytes) {
@@ -133,7 +115,7 @@ plan_response_t Remote::plan(const RemotePlan& plan) {
   send();
   while (!answer_ || answer_->outcome == plan_response_t::OVERLOADED) {
     resendIfLost();
-    cancelIfInterrupted();
+    if (interruption.take()) cancel();
     giveUpIfLate(plan.deadline_s > 0 ? plan.deadline_s + kGrace_s : kPatience_s);
     bus_.wait(kTick_ms);
   }

@@ -41,7 +41,7 @@ class Remote {
   void checkSize(std::size_t bytes) const;
   void send();
   void resendIfLost();
-  void cancelIfInterrupted();
+  void cancel();
   void giveUpIfLate(double patience_s) const;
   bool serverHasIt() const;
 

@@ -13,10 +13,12 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <sstream>
 #include <thread>
 
 #include "boxgrasp/cloud/write_cloud.h"
 #include "boxgrasp/messaging/cloud_conversion.h"
+#include "boxgrasp/messaging/event_log.h"
 #include "processes.h"
 #include "wire.h"
 
@@ -281,6 +283,79 @@ TEST_F(Service, SigtermAnswersEverybodyAndEnds) {
   EXPECT_EQ(outcomeName(wire.answer("waits")->outcome), "overloaded");
   EXPECT_EQ(outcomeName(wire.answer("runs")->outcome), "cancelled") << "it ran on past stop_s";
   EXPECT_EQ(server->wait(10), 0) << server->err();
+}
+
+// Until its output has the text; false if the program ends before.
+bool waitFor(Process& process, const std::string& text) {
+  while (process.out().find(text) == std::string::npos && process.err().find(text) == std::string::npos) {
+    if (!process.running()) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return true;
+}
+
+std::vector<std::string> lines(const std::string& text) {
+  std::vector<std::string> all;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) all.push_back(line);
+  return all;
+}
+
+TEST_F(Service, MonitorShowsWhatIsSaid) {
+  startServer();
+  Process words({BOXGRASP_CLIENT, "monitor", "--lcm-url", url()});
+  EXPECT_TRUE(waitFor(words, "0 of 16 waiting")) << words.err();
+  words.signal(SIGINT);
+  EXPECT_EQ(words.wait(10), 0);
+  Process objects({BOXGRASP_CLIENT, "monitor", "--json", "--lcm-url", url()});
+  EXPECT_TRUE(waitFor(objects, "\"latest\"")) << objects.err();
+  objects.signal(SIGTERM);
+  EXPECT_EQ(objects.wait(10), 0);
+  const auto report = nlohmann::json::parse(lines(objects.out()).back());
+  EXPECT_EQ(report["schema"], 1);
+  EXPECT_EQ(report["channels"][0]["channel"], "BOXGRASP_STATUS");
+  EXPECT_EQ(report["channels"][0]["type"], "boxgrasp.status_t");
+  EXPECT_GT(report["senders"][0]["messages"], 0);
+  const Finished silence = client("monitor", {"--channel", "NOBODY_*", "--once", "--seconds", "0.2"});
+  EXPECT_EQ(silence.code, 1);
+  EXPECT_THAT(silence.err, HasSubstr("nothing was said on NOBODY_*"));
+}
+
+// A log that its killed recorder left behind is whole, and says the same again: by our player and by LCM's.
+TEST_F(Service, WhatWasRecordedIsSaidAgain) {
+  startServer();
+  std::vector<std::uint8_t> answer;
+  {
+    Wire wire;
+    Process recorder(
+        {BOXGRASP_CLIENT, "record", folder / "plan.log", "--lcm-url", url(), "--channel", "BOXGRASP_PLAN_*"});
+    ASSERT_TRUE(waitFor(recorder, "recording")) << recorder.err();
+    ASSERT_TRUE(wire.ask(wire.request("recorded")));
+    answer = wire.raw.at(0);
+    const auto recorded = [&] {
+      EventLogReader log(folder / "plan.log");
+      int n = 0;
+      while (fs::file_size(folder / "plan.log") > 0 && log.next()) ++n;
+      return n;
+    };
+    while (recorded() < 2) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    recorder.signal(SIGKILL);
+    EXPECT_EQ(recorder.wait(10), -SIGKILL);
+  }
+  EXPECT_THAT(client("record", {"/dev/full"}).err, HasSubstr("No space left on device"));
+  server.reset();
+  const auto saysItAgain = [&](const std::vector<std::string>& player) {
+    Wire wire;
+    Process playing(player);
+    EXPECT_TRUE(wire.until([&] { return !wire.raw.empty(); })) << playing.err();
+    EXPECT_EQ(playing.wait(20), 0) << playing.err();
+    EXPECT_THAT(wire.raw, testing::ElementsAre(answer)) << player[0];
+  };
+  saysItAgain({BOXGRASP_CLIENT, "replay", folder / "plan.log", "--lcm-url", url(), "--speed", "100"});
+  saysItAgain({"/usr/bin/lcm-logplayer", "--lcm-url", url(), "--speed", "100", folder / "plan.log"});
+  const Finished some =
+      client("replay", {folder / "plan.log", "--speed", "100", "--json", "--channel", "*_REQUEST"});
+  EXPECT_EQ(nlohmann::json::parse(some.out)["messages"], 1);
 }
 
 TEST_F(Service, StatusTellsHowItIs) {

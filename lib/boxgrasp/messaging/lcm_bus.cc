@@ -34,6 +34,19 @@ void receive(const lcm::ReceiveBuffer* buffer, const std::string& channel, Subsc
   if (to->on_problem) to->on_problem(channel, error.what());
 }
 
+// The same for messages of many channels.
+struct ChannelListener {
+  LcmBus::Listener listener;
+  const LcmBus::ProblemHandler& on_problem;
+};
+
+void hear(const lcm::ReceiveBuffer* buffer, const std::string& channel, ChannelListener* to) noexcept try {
+  to->listener(
+      {channel, {static_cast<const std::uint8_t*>(buffer->data), buffer->data_size}, buffer->recv_utime});
+} catch (const std::exception& error) {
+  if (to->on_problem) to->on_problem(channel, error.what());
+}
+
 // The descriptor of this process's socket that is bound to the UDP port. LCM keeps it to itself.
 std::optional<int> boundTo(std::uint16_t port) {
   constexpr int kMaxDescriptors = 1024;  // LCM's select() reaches no further
@@ -95,6 +108,7 @@ struct LcmBus::Impl {
   lcm::LCM lcm;
   ProblemHandler on_problem;
   std::deque<Subscriber> subscribers;  // LCM holds their addresses
+  std::deque<ChannelListener> listeners;
 };
 
 LcmBus::LcmBus(const LcmBusOptions& options, ProblemHandler on_problem) {
@@ -116,6 +130,21 @@ void LcmBus::subscribe(const std::string& channel, std::int64_t max_bytes, Handl
   Subscriber& subscriber =
       impl_->subscribers.emplace_back(Subscriber{channel, max_bytes, std::move(handler), impl_->on_problem});
   impl_->lcm.subscribeFunction(channel, receive, &subscriber);
+}
+
+void LcmBus::listen(const std::string& names, Listener listener) {
+  std::string name = names, pattern;
+  std::replace(name.begin(), name.end(), '*', '_');
+  if (!isChannelName(name))
+    throw InputError(
+        fmt::format("LCM channels '{}': write a name of 1 to 63 letters, digits, '_', '-' and '/', in which "
+                    "'*' stands for "
+                    "any text",
+                    names));
+  for (const char c : names) pattern += c == '*' ? std::string(".*") : std::string(1, c);
+  ChannelListener& to =
+      impl_->listeners.emplace_back(ChannelListener{std::move(listener), impl_->on_problem});
+  impl_->lcm.subscribeFunction(pattern, hear, &to);
 }
 
 void LcmBus::publish(const std::string& channel, Bytes bytes) {

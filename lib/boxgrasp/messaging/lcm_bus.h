@@ -52,6 +52,16 @@ class LcmBus {
   // are problems. The channel is a name of letters, digits, '_', '-', '/'; else InputError.
   void subscribe(const std::string& channel, std::int64_t max_bytes, Handler handler);
 
+  // Calls the listener with every message on every channel whose name fits; '*' stands for any text. Else as
+  // subscribe().
+  struct Heard {
+    const std::string& channel;
+    Bytes bytes;
+    std::int64_t utime;  // when it was received, microseconds since 1970
+  };
+  using Listener = std::function<void(const Heard&)>;
+  void listen(const std::string& names, Listener listener);
+
   // Throws TransportError when the transport refuses. Multicast that nobody receives is no error.
   void publish(const std::string& channel, Bytes bytes);
   template <typename Message>

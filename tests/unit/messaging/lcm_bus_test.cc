@@ -38,6 +38,20 @@ TEST(LcmBus, DeliversBytes) {
   EXPECT_EQ(bus.receiveBuffer().granted, -1);
 }
 
+TEST(LcmBus, ListensToAllChannelsOfAKind) {
+  LcmBus bus({.url = "memq://"});
+  std::vector<std::string> heard;
+  bus.listen("ROBOT_*", [&](const LcmBus::Heard& message) {
+    heard.push_back(message.channel + ":" + std::to_string(message.bytes.size()));
+    EXPECT_GT(message.utime, 1'500'000'000'000'000);
+  });
+  for (const char* channel : {"ROBOT_ARM", "OTHER", "ROBOT_", "MY_ROBOT_ARM"})
+    bus.publish(channel, std::vector<std::uint8_t>{1, 2});
+  bus.wait(1000);
+  EXPECT_THAT(heard, ElementsAre("ROBOT_ARM:2", "ROBOT_:2"));
+  EXPECT_THROW(bus.listen("ROBOT_(", [](const LcmBus::Heard&) {}), InputError);
+}
+
 TEST(LcmBus, LargeMessagesAndExceptionsAreReportedAndTheNextMessageArrives) {
   std::vector<std::string> problems;
   LcmBus bus({.url = "memq://"}, [&](const std::string& channel, const std::string& what) {
