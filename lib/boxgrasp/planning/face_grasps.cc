@@ -83,6 +83,15 @@ Grasp graspFrom(const FaceWork& work, const Face& face, const Triplet& triplet,
   return grasp;
 }
 
+// No sensor saw the surface under a contact whose nearest point was guessed.
+void markGuessed(const FaceWork& work, Grasp& grasp) {
+  const std::size_t seen = work.object.cloud_C.size() - work.object.guessed;
+  for (SurfaceContact& contact : grasp.contacts) {
+    const auto nearest = work.object_grid_C.nearest(contact.p_C, work.options.contacts.normal_radius_m);
+    if (!nearest || *nearest >= seen) contact.seen = false;
+  }
+}
+
 bool touchesSurface(const FaceWork& work, const Face& face, Grasp& grasp, Tally& tally) {
   const StageTimer timer(tally, StageId::contacts);
   const Contacts found = findContacts(face, grasp.triplet, grasp.configuration, work.object_grid_C,
@@ -90,6 +99,7 @@ bool touchesSurface(const FaceWork& work, const Face& face, Grasp& grasp, Tally&
   tally.count(StageId::contacts, 1, !found.rejection);
   if (found.rejection) tally.reject(describe(*found.rejection));
   grasp.contacts = found.contacts;
+  if (work.object.guessed > 0) markGuessed(work, grasp);
   return !found.rejection;
 }
 

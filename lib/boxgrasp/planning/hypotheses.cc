@@ -75,6 +75,7 @@ class HypothesisSearch {
     noteNonFinite(finite);
     takeSceneApart(finite.cloud_C);
     cleanObjects(finite.cloud_C);
+    completeObjects();
     decomposeObjects();
     graspObjects();
   }
@@ -119,7 +120,7 @@ class HypothesisSearch {
                        scene_.objects[i].size(), clean_cloud.cloud_C.size(), 1e3 * clean_cloud.voxel_m,
                        1e3 * clean_cloud.spacing_m));
       scene_C_ = joined(std::move(scene_C_), clean_cloud.cloud_C);
-      result_.objects.push_back({std::move(clean_cloud.cloud_C), clean_cloud.spacing_m, {}});
+      result_.objects.push_back({std::move(clean_cloud.cloud_C), 0, clean_cloud.spacing_m, {}});
     }
     addObstacles(background(cloud_C, scene_));
   }
@@ -135,6 +136,34 @@ class HypothesisSearch {
       if (object.cloud_C.empty()) continue;
       scene_C_ = joined(std::move(scene_C_),
                         tablePatch(*scene_.table, object.cloud_C, kTableReach_m, kTableSpacing_m));
+    }
+  }
+
+  // Whatever the sensor saw, the object included: nothing can be where it looked through.
+  Sight sightOf(const PointCloud& seen_C) const {
+    std::optional<Vector3d> up_C;
+    if (surroundings_.gravity_C) up_C = -*surroundings_.gravity_C;
+    return {*request_.viewpoint_C, up_C, seen_C};
+  }
+
+  void completeObjects() {
+    if (!request_.viewpoint_C || !options_.completion.enabled) return;
+    const StageTimer timer(tally_, StageId::completion);
+    const PointCloud seen_C = scene_C_;
+    for (std::size_t i = 0; i < result_.objects.size(); ++i) {
+      if (!planned(i)) continue;
+      PlannedObject& object = result_.objects[i];
+      const std::size_t seen = object.cloud_C.size();
+      const Completion guess =
+          completed(object.cloud_C, object.spacing_m, sightOf(seen_C), options_.completion, stop_);
+      object.guessed = guess.guessed_C.size();
+      object.cloud_C = joined(std::move(object.cloud_C), guess.guessed_C);
+      scene_C_ = joined(std::move(scene_C_), guess.guessed_C);
+      tally_.count(StageId::completion, seen, object.cloud_C.size());
+      tally_.reject("mirrored point would have been seen", guess.contradicted);
+      if (object.guessed > 0)
+        note(fmt::format("object {}: {} points of its unseen side were guessed, through {} mirror{}", i,
+                         object.guessed, guess.mirrors.size(), guess.mirrors.size() == 1 ? "" : "s"));
     }
   }
 

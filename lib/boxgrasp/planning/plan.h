@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "boxgrasp/cloud/clean.h"
+#include "boxgrasp/cloud/completion.h"
 #include "boxgrasp/cloud/scene.h"
 #include "boxgrasp/decomposition/decompose.h"
 #include "boxgrasp/hand/clearance.h"
@@ -23,6 +24,7 @@ struct PlannerOptions {
   ValidationOptions validation;
   SceneOptions scene;
   CleanOptions clean;
+  CompletionOptions completion;
   DecompositionOptions decomposition;
   FaceOptions faces;
   ImageOptions image;
@@ -93,7 +95,8 @@ struct PlanReport {
 
 // The object's share of a scene, as planned.
 struct PlannedObject {
-  PointCloud cloud_C;  // cleaned
+  PointCloud cloud_C;       // cleaned; what was guessed of it comes last
+  std::size_t guessed = 0;  // points of it that no sensor saw (cloud/completion.h)
   double spacing_m = -1.0;
   BoxTree tree;
 };

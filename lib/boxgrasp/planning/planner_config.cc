@@ -46,6 +46,12 @@ void read(Section section, CleanOptions& options) {
   section("outlier_deviations", outlier_deviations)("max_points", max_points);
 }
 
+void read(Section section, CompletionOptions& options) {
+  auto& [enabled, tolerance_m, azimuth_step_rad, max_contradicted] = options;
+  section("enabled", enabled)("tolerance_m", tolerance_m)("azimuth_step_rad", azimuth_step_rad);
+  section("max_contradicted", max_contradicted);
+}
+
 void read(Section section, DecompositionOptions& options) {
   auto& [gain_t, split, gain, segment_fraction, samples_per_segment, merge_angle_rad, min_point_fraction,
          min_points, min_extent_m, bound_step_m, max_leaves, jurors, resolution_fraction, exhaustive,
@@ -137,12 +143,13 @@ void readStage(ConfigFile& file, const std::string& section, Options& options) {
 
 PlannerOptions readPlannerOptions(ConfigFile& file) {
   PlannerOptions options;
-  auto& [validation, scene, clean, decomposition, faces, image, contours, regions, triplets, configurations,
-         contacts, clearance, robot, depth_model, require_force_closure, merge_distance_m, merge_angle_rad,
-         threads] = options;
+  auto& [validation, scene, clean, completion, decomposition, faces, image, contours, regions, triplets,
+         configurations, contacts, clearance, robot, depth_model, require_force_closure, merge_distance_m,
+         merge_angle_rad, threads] = options;
   readStage(file, "validation", validation);
   readStage(file, "scene", scene);
   readStage(file, "clean", clean);
+  readStage(file, "completion", completion);
   readStage(file, "decomposition", decomposition);
   readStage(file, "faces", faces);
   readStage(file, "image", image);

@@ -11,6 +11,7 @@ constexpr std::array<StageText, kStageCount> kStages{{
     {"scene", "finite points", "objects",
      "scene.min_cluster_points, scene.max_object_extent_m, or scene.whole = true for a single object"},
     {"clean", "points of objects", "points", "clean.outlier_neighbours = 0"},
+    {"completion", "points seen", "points", "completion.enabled = false"},
     {"decomposition", "objects", "leaf boxes", "decomposition.gain_t"},
     {"faces", "faces", "graspable faces",
      "faces.max_aperture_m, faces.max_blocked_fraction, or the direction of gravity"},

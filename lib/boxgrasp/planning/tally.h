@@ -14,6 +14,7 @@ namespace boxgrasp {
 enum class StageId {
   scene,
   clean,
+  completion,
   decomposition,
   faces,
   approach,
@@ -28,7 +29,7 @@ enum class StageId {
   ranking,
   distinct,
 };
-inline constexpr std::size_t kStageCount = 15;
+inline constexpr std::size_t kStageCount = 16;
 
 struct StageText {
   std::string_view name;

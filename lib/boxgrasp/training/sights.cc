@@ -57,6 +57,7 @@ PlanRequest sightOf(const TriangleMesh& mesh_O, const ModelKey& key, const Sight
   const std::vector<std::size_t> cameras = camerasOf(key.view, options.cameras);
   const std::vector<NamedPose> ring = viewRing(mesh_O, {.views = options.cameras});
   request.viewpoint_C = Vector3d::Zero();
+  request.gravity_C = -Vector3d::UnitZ();  // the table was seen too
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     DepthCameraOptions camera;
     camera.seed = derivedSeed(options.seed, key, "camera", static_cast<int>(i));

@@ -1,0 +1,49 @@
+// Guessing the side of an object that the sensor did not see, from its symmetry.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "boxgrasp/base/stop_token.h"
+#include "boxgrasp/cloud/scene.h"
+
+namespace boxgrasp {
+
+struct CompletionOptions {
+  // Off: grasps are planned on what was seen alone, and most objects seen from one side have none.
+  bool enabled = true;
+  // Surfaces nearer than this along the line of sight are one: above the sensor's noise, below the thickness
+  // of what is grasped.
+  double tolerance_m = 0.006;
+  // Mirrors are tried at azimuths this far apart (7.5 degrees), and refined from there.
+  double azimuth_step_rad = 0.131;
+  // A mirror is not used when more than this share of what it moves would have been seen and was not. Lower
+  // trusts nothing but perfect symmetry.
+  double max_contradicted = 0.3;
+  void validate() const;
+};
+
+// Where the sensor stood, and what else it saw: nothing can be guessed where it looked through.
+struct Sight {
+  Vector3d viewpoint_C = Vector3d::Zero();
+  std::optional<Vector3d> up_C;  // unit; unknown: the axes of the cloud's box are tried
+  const PointCloud& others_C;    // what the sensor saw beside the object, table included
+};
+
+struct Completion {
+  PointCloud guessed_C;          // none of them within a spacing of a seen point
+  std::vector<Plane> mirrors;    // through which they were guessed; at most two, the surer first
+  std::size_t contradicted = 0;  // mirrored points left out: the sensor would have seen them
+};
+
+// The unseen side of one object by mirror symmetry in an upright plane, and in a second one across the first:
+// most things that are handled have such planes (Thrun and Wegbreit, "Shape from symmetry", ICCV 2005; Bohg
+// et al., "Mind the gap", ICRA 2011). A mirrored point is evidence for its mirror where a surface was seen,
+// is possible where it is hidden behind what was seen, and contradicts it where the sensor saw through: the
+// mirror with most evidence is taken, the tightest where there is none. A rigid motion of cloud, sight and up
+// moves the result with it. `spacing_m`: between points of the cloud. Nothing is guessed when no mirror is
+// possible. Pre: finite, not empty. Throws Stopped.
+Completion completed(const PointCloud& seen_C, double spacing_m, const Sight& sight,
+                     const CompletionOptions& options = {}, const StopToken& stop = {});
+
+}  // namespace boxgrasp
