@@ -1,9 +1,11 @@
 #include "plan_service.h"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstring>
 #include <new>
 #include <utility>
 
@@ -17,9 +19,22 @@ constexpr std::size_t kStampEnd = 16;  // fingerprint and utime, which are no pa
 constexpr double kLongestDeadline_s = 86400.0;  // keeps the clock's arithmetic in range
 constexpr double kStuck_s = 60.0;               // stages look at their deadline far more often
 
+// Tells contents apart at the speed of memory, since every request waits for it. Two that differ in one word
+// never have the same; it is no defence against senders who want two to look alike, and need not be one.
 std::string contentDigest(PlanService::Bytes bytes) {
-  const auto content = bytes.subspan(kStampEnd);
-  return blake2bHex({reinterpret_cast<const char*>(content.data()), content.size()});
+  constexpr std::uint64_t kOdd = 0x9E3779B97F4A7C15;
+  std::array<std::uint64_t, 4> lanes{1, 2, 3, bytes.size()};
+  const auto mix = [&](std::uint64_t& lane, std::uint64_t word) {
+    lane = std::rotl((lane ^ word) * kOdd, 29);
+  };
+  PlanService::Bytes rest = bytes.subspan(kStampEnd);
+  for (; rest.size() >= sizeof lanes; rest = rest.subspan(sizeof lanes)) {
+    std::array<std::uint64_t, 4> words;
+    std::memcpy(words.data(), rest.data(), sizeof words);
+    for (std::size_t i = 0; i < lanes.size(); ++i) mix(lanes[i], words[i]);
+  }
+  for (const std::uint8_t byte : rest) mix(lanes[0], byte);
+  return fmt::format("{:016x}", fmt::join(lanes, ""));
 }
 
 // Of a request whose bytes were checked: the text after its stamp.

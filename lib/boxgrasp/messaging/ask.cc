@@ -15,7 +15,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kStatusPatience_s = 3.0;  // the server says how it is once a second
+constexpr double kStatusPatience_s =
+    5.0;  // the server says how it is once a second, and LCM may lose a few of them
 constexpr int kTick_ms = 50;
 constexpr std::chrono::milliseconds kPause{1500};  // before the question is sent again
 constexpr std::size_t kSafeBytes = 100'000;        // fits any kernel's default receive buffer

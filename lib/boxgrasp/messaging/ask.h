@@ -31,7 +31,7 @@ std::string newRequestId();
 
 // Sends the bytes, again after a while, until `take` says that a message on the answer's channel is the
 // answer. Only for questions that the server answers alike when they come twice. Throws NotReachable when no
-// server is heard within 3 s, NoAnswer after the timeout, InputError for a message that the server's receive
+// server is heard within 5 s, NoAnswer after the timeout, InputError for a message that the server's receive
 // buffer cannot take, TransportError.
 void ask(const AskOptions& options, const std::string& channel, LcmBus::Bytes question,
          const std::string& answer_channel, const std::function<bool(LcmBus::Bytes)>& take);

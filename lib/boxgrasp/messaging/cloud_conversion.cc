@@ -74,16 +74,23 @@ float valueAt(const std::uint8_t* at, bool swapped) {
   return static_cast<float>(std::bit_cast<Float>(bits));
 }
 
-void readCoordinate(const Message& message, const Field& field, std::vector<float>& out) {
+template <typename Float, typename Bits>
+void readValues(const Message& message, const Field& field, std::vector<float>& out) {
   const bool swapped = message.flags & Message::IS_BIGENDIAN;
-  const auto value =
-      field.datatype == Field::FLOAT64 ? valueAt<double, std::uint64_t> : valueAt<float, std::uint32_t>;
-  out.reserve(message.width * message.height);
+  float* to = out.data();
   for (std::int64_t row = 0; row < message.height; ++row) {
     const std::uint8_t* at = message.data.data() + row * message.row_step + field.byte_offset;
     for (std::int64_t column = 0; column < message.width; ++column, at += message.point_step)
-      out.push_back(value(at, swapped));
+      *to++ = valueAt<Float, Bits>(at, swapped);
   }
+}
+
+void readCoordinate(const Message& message, const Field& field, std::vector<float>& out) {
+  out.resize(message.width * message.height);
+  if (field.datatype == Field::FLOAT64)
+    readValues<double, std::uint64_t>(message, field, out);
+  else
+    readValues<float, std::uint32_t>(message, field, out);
 }
 
 }  // namespace

@@ -32,6 +32,7 @@ constexpr std::chrono::milliseconds kStartPause{
 constexpr std::chrono::seconds kWatchPause{1};
 constexpr std::chrono::seconds kOpenPatience{10};
 constexpr std::size_t kMaxProblemBytes = 4096;
+constexpr std::size_t kKeptBytes = 16 << 20;  // of memory, from one message to the next
 
 std::int64_t residentBytes(pid_t process) {
   std::ifstream statm(fmt::format("/proc/{}/statm", process));
@@ -200,6 +201,7 @@ bool IsolatedBus::readSome() {
   if (partial_.size() < whole) partial_.resize(whole);
   if (received_ < whole) return true;
   take(head, Bytes(partial_).subspan(sizeof(Head)));
+  if (partial_.capacity() > kKeptBytes) partial_ = {};
   partial_.assign(sizeof(Head), 0);
   received_ = 0;
   return true;
