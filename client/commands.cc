@@ -144,6 +144,13 @@ int runPlan(const PlanCommand& command) {
   return conclude(command, answer, answer.outcome == plan_response_t::GRASPS ? planText(answer) : "");
 }
 
+Json plannedJson(const PlanCommand& command, int& exit_code) {
+  const plan_response_t answer = answerTo(command);
+  if (answer.outcome != plan_response_t::GRASPS) fmt::print(stderr, "boxgrasp: {}\n", answer.message);
+  exit_code = exitCodeOf(answer);
+  return planJson(answer);
+}
+
 int runExplain(const PlanCommand& command) {
   const plan_response_t answer = answerTo(command);
   return conclude(command, answer, explanationText(answer));

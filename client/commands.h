@@ -9,6 +9,7 @@
 
 #include "boxgrasp/cloud/read_cloud.h"
 #include "boxgrasp/planning/robot.h"
+#include "plan_json.h"
 
 namespace boxgrasp {
 
@@ -45,9 +46,10 @@ struct PlanCommand {
 
 // All return an exit code and print results to stdout, messages to stderr. They throw what reading, planning
 // and the server throw.
-int runPlan(const PlanCommand& command);     // the ranked grasps
-int runExplain(const PlanCommand& command);  // where candidates were lost
-int runShow(const PlanCommand& command);     // the picture or the page alone
+int runPlan(const PlanCommand& command);                       // the ranked grasps
+Json plannedJson(const PlanCommand& command, int& exit_code);  // the same as JSON, not printed
+int runExplain(const PlanCommand& command);                    // where candidates were lost
+int runShow(const PlanCommand& command);                       // the picture or the page alone
 int runStatus(const std::string& lcm_url, bool json);
 
 }  // namespace boxgrasp

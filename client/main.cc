@@ -8,7 +8,9 @@
 #include "boxgrasp/messaging/plan_conversion.h"
 #include "boxgrasp/models_request_t.hpp"
 #include "commands.h"
+#include "export_command.h"
 #include "feedback_command.h"
+#include "hand_command.h"
 #include "log_commands.h"
 #include "models_command.h"
 #include "monitor_command.h"
@@ -19,9 +21,8 @@ namespace {
 
 using namespace boxgrasp;
 
-void addCloudOptions(CLI::App& app, PlanCommand& command) {
-  app.add_option("file", command.file, "point cloud (PCD, PLY, XYZ) or mesh (OFF, OBJ, STL, PLY)")
-      ->required();
+void addCloudOptions(CLI::App& app, PlanCommand& command, const std::string& file) {
+  app.add_option("file", command.file, file)->required();
   app.add_option("--scale", command.read.scale,
                  "multiplies every coordinate; 0.001 for a file in millimetres")
       ->check(CLI::PositiveNumber);
@@ -86,7 +87,7 @@ void addOutputOptions(CLI::App& app, std::string& lcm_url, bool& json) {
 CLI::App* addPlanCommand(CLI::App& app, const std::string& name, const std::string& what,
                          PlanCommand& command) {
   CLI::App* sub = app.add_subcommand(name, what);
-  addCloudOptions(*sub, command);
+  addCloudOptions(*sub, command, "point cloud (PCD, PLY, XYZ) or mesh (OFF, OBJ, STL, PLY)");
   addRobotOptions(*sub, command.robot);
   addLocalOptions(*sub, command);
   addOutputOptions(*sub, command.lcm_url, command.json);
@@ -97,6 +98,36 @@ CLI::App* addPlanCommand(CLI::App& app, const std::string& name, const std::stri
   sub->add_option("--picture", command.picture, "also draw the plan into this PNG file");
   sub->add_option("--html", command.html, "also write the plan as an interactive 3D page, one HTML file");
   return sub;
+}
+
+CLI::App* addExport(CLI::App& app, ExportCommand& command) {
+  CLI::App* sub = app.add_subcommand("export", "write grasps in the formats of other programs");
+  addCloudOptions(*sub, command.plan, "plan, as `boxgrasp plan --json` prints it; or what can be planned on");
+  addRobotOptions(*sub, command.plan.robot);
+  addLocalOptions(*sub, command.plan);
+  sub->add_option("--lcm-url", command.plan.lcm_url, "LCM's address, where the server is")
+      ->capture_default_str();
+  sub->add_flag("--local", command.plan.local, "plan in this process, without a server");
+  sub->add_option("--format", command.format, "csv, graspnet (17 numbers a grasp) or isaac_grasp (YAML)")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"csv", "graspnet", "isaac_grasp"}));
+  sub->add_option("--out", command.out, "file; stdout if none is given; *.npy: graspnet as numpy saves it");
+  sub->add_flag("--tool", command.tool, "poses of the robot's tool instead of the palm");
+  sub->add_option("--joint-names", command.joint_names, "names of the joints, in the order of the plan's")
+      ->delimiter(',');
+  return sub;
+}
+
+CLI::App* addHand(CLI::App& app, HandCommand& command) {
+  CLI::App* all = app.add_subcommand("hand", "look at hand descriptions");
+  all->require_subcommand(1);
+  CLI::App* sub =
+      all->add_subcommand("check", "say what is wrong with a hand description, or what the hand can do");
+  sub->add_option("file", command.file, "hand description (TOML)")->required();
+  sub->add_option("--picture", command.picture,
+                  "also draw the hand open, half closed and closed into this file, .png or .svg");
+  sub->add_flag("--json", command.json, "print JSON");
+  return all;
 }
 
 // The commands below `models`.
@@ -229,18 +260,22 @@ int main(int argc, char** argv) {
   const ModelsApps models = addModels(app, models_command, command);
   FeedbackCommand feedback_command;
   const CLI::App* feedback = addFeedback(app, feedback_command, command);
+  HandCommand hand_command;
+  const CLI::App* hand = addHand(app, hand_command);
+  ExportCommand export_command;
+  const CLI::App* exporting = addExport(app, export_command);
   MonitorCommand monitor_command;
   const CLI::App* monitor = addMonitor(app, monitor_command);
   LogCommand log_command;
   const LogApps logs = addLogs(app, log_command);
   try {
     app.parse(argc, argv);
-    command.json |= monitor_command.json || log_command.json;
+    command.json |= monitor_command.json || log_command.json || hand_command.json;
     if (show->parsed()) {
       command.local = true;
       if (!command.draws()) throw CLI::RequiredError("--picture or --html");
     }
-    checkTogether(command);
+    checkTogether(exporting->parsed() ? export_command.plan : command);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kDone : kUsage;
   }
@@ -249,6 +284,8 @@ int main(int argc, char** argv) {
     if (explain->parsed()) return runExplain(command);
     if (show->parsed()) return runShow(command);
     if (models.all->parsed()) return runModels(models, models_command, command);
+    if (hand->parsed()) return runHandCheck(hand_command);
+    if (exporting->parsed()) return runExport(export_command);
     if (monitor->parsed()) return runMonitor(monitor_command);
     if (logs.record->parsed()) return runRecord(log_command);
     if (logs.replay->parsed()) return runReplay(log_command);

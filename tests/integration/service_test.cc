@@ -7,10 +7,12 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <Eigen/Geometry>
 #include <chrono>
 #include <csignal>
 #include <fstream>
 #include <functional>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
@@ -285,6 +287,119 @@ TEST_F(Service, SigtermAnswersEverybodyAndEnds) {
   EXPECT_EQ(server->wait(10), 0) << server->err();
 }
 
+std::vector<std::string> lines(const std::string& text) {
+  std::vector<std::string> all;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) all.push_back(line);
+  return all;
+}
+
+std::vector<double> numbersIn(std::string text) {
+  for (char& c : text) {
+    if (c == ',') c = ' ';
+  }
+  std::istringstream in(text);
+  return {std::istream_iterator<double>(in), {}};
+}
+
+std::string fileText(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+// The same numbers in every format, from the plan's JSON and from the cloud.
+TEST_F(Service, ExportsKeepTheGrasps) {
+  const std::string json_text = local({folder / "cup.pcd", "--json", "--top", "3"}).out;
+  std::ofstream(folder / "plan.json") << json_text;
+  const nlohmann::json grasps = nlohmann::json::parse(json_text)["grasps"];
+  const auto exported = [&](const std::vector<std::string>& more) {
+    const Finished done =
+        run(std::vector<std::string>{BOXGRASP_CLIENT, "export", folder / "plan.json"} + more);
+    EXPECT_EQ(done.code, 0) << done.err;
+    return done.out;
+  };
+  const std::string csv = exported({"--format", "csv"});
+  const std::vector<std::string> rows = lines(csv);
+  ASSERT_EQ(rows.size(), 1 + grasps.size());
+  EXPECT_THAT(rows[0], testing::StartsWith("rank,score,object,box,face,palm_x_m,"));
+  const auto columns = std::count(rows[0].begin(), rows[0].end(), ',') + 1;
+  const std::vector<std::string> net = lines(exported({"--format", "graspnet"}));
+  ASSERT_EQ(net.size(), grasps.size());
+  for (std::size_t i = 0; i < grasps.size(); ++i) {
+    const std::vector<double> of_csv = numbersIn(rows[i + 1]), of_net = numbersIn(net[i]);
+    ASSERT_EQ(of_csv.size(), static_cast<std::size_t>(columns));
+    EXPECT_EQ(of_csv[1], grasps[i]["score"].get<double>());
+    for (int k = 0; k < 3; ++k)
+      EXPECT_EQ(of_csv[5 + k], grasps[i]["palm_pose"]["position_m"][k].get<double>());
+    for (int k = 0; k < 4; ++k)
+      EXPECT_EQ(of_csv[8 + k], grasps[i]["palm_pose"]["quaternion_wxyz"][k].get<double>());
+    EXPECT_EQ(of_csv.back(), grasps[i]["contacts"][2]["position_m"][2].get<double>());
+    ASSERT_EQ(of_net.size(), 17u);
+    const Eigen::Matrix3d axes =
+        Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(of_net.data() + 4);
+    EXPECT_TRUE(axes.isUnitary(1e-9));
+    EXPECT_NEAR(axes.determinant(), 1.0, 1e-9);
+    const auto vector = [](const nlohmann::json& v) { return Eigen::Vector3d(v[0], v[1], v[2]); };
+    EXPECT_TRUE(axes.col(0).isApprox(vector(grasps[i]["approach"]), 1e-6));
+    // Its two fingertips, half the width to each side, are as high as the contacts and on their line.
+    const Eigen::Vector3d thumb = vector(grasps[i]["contacts"][2]["position_m"]);
+    const Eigen::Vector3d tip = Eigen::Map<const Eigen::Vector3d>(of_net.data() + 13) +
+                                of_net[3] * axes.col(0) + of_net[1] / 2 * axes.col(1);
+    EXPECT_LT((thumb - tip).cross(axes.col(0)).norm(), 1e-9) << "beside the thumb's contact";
+    EXPECT_LT((thumb - tip).norm(), 0.02);
+  }
+  const std::string yaml = exported({"--format", "isaac_grasp", "--joint-names", "a,b,c,d"});
+  EXPECT_THAT(yaml, testing::StartsWith("format: isaac_grasp\nformat_version: 1.0\n"));
+  EXPECT_THAT(yaml, HasSubstr(fmt::format("    position: [{}, ",
+                                          grasps[0]["palm_pose"]["position_m"][0].get<double>())));
+  EXPECT_THAT(yaml, HasSubstr(fmt::format("    pregrasp_cspace_position:\n      \"a\": {}\n",
+                                          grasps[0]["pregrasp_rad"]["spread"].get<double>())));
+  exported({"--format", "graspnet", "--out", folder / "plan.npy"});
+  const std::string npy = fileText(folder / "plan.npy");
+  EXPECT_EQ(npy.size() % 64, grasps.size() * 17 * 8 % 64);
+  EXPECT_THAT(npy, HasSubstr(fmt::format("'shape': ({}, 17)", grasps.size())));
+  const Finished of_cloud = run({BOXGRASP_CLIENT, "export", folder / "cup.pcd", "--local", "--top", "3"});
+  EXPECT_EQ(of_cloud.out, csv) << of_cloud.err;
+}
+
+TEST_F(Service, ExportRefusesWhatIsNoPlan) {
+  const auto problem = [&](const std::string& content, const std::vector<std::string>& more = {}) {
+    std::ofstream(folder / "bad.json") << content;
+    const Finished done =
+        run(std::vector<std::string>{BOXGRASP_CLIENT, "export", folder / "bad.json"} + more);
+    EXPECT_EQ(done.code, content.find("\"grasps\": []") != std::string::npos ? 1 : 3) << done.err;
+    return done.err;
+  };
+  EXPECT_THAT(problem("{"), HasSubstr("is no plan"));
+  EXPECT_THAT(problem("{\"grasps\": 1}"), HasSubstr("schema is none"));
+  EXPECT_THAT(problem("{\"schema\": 1}"), HasSubstr("'grasps' not found"));
+  EXPECT_THAT(problem("{\"schema\": 1, \"grasps\": [{\"score\": 1}]}"), HasSubstr("not found"));
+  EXPECT_THAT(problem("{\"schema\": 1, \"grasps\": []}"), HasSubstr("0 grasps"));
+}
+
+TEST_F(Service, HandCheckSaysWhatIsWrongOrWhatTheHandCanDo) {
+  const std::string shipped = BOXGRASP_SOURCE_DIR "/deploy/hands/barrett.toml";
+  const auto check = [&](const std::vector<std::string>& more) {
+    return run(std::vector<std::string>{BOXGRASP_CLIENT, "hand", "check"} + more);
+  };
+  const Finished good = check({shipped, "--json", "--picture", folder / "hand.svg"});
+  ASSERT_EQ(good.code, 0) << good.err;
+  const nlohmann::json hand = nlohmann::json::parse(good.out);
+  EXPECT_EQ(hand["schema"], 1);
+  EXPECT_EQ(hand["name"], "Barrett BH8");
+  EXPECT_NEAR(hand["opening_m"]["open"].get<double>(), 0.30, 0.03) << "two open fingers of some 150 mm";
+  EXPECT_THAT(fileText(folder / "hand.svg"), testing::StartsWith("<svg"));
+  EXPECT_THAT(check({shipped}).out, HasSubstr("this hand can be planned with"));
+  std::string text = fileText(shipped);
+  text.replace(text.find("coupling = 0.3"), 14, "coupling = 9.3");
+  std::ofstream(folder / "bad.toml") << text;
+  const Finished bad = check({folder / "bad.toml"});
+  EXPECT_EQ(bad.code, 3);
+  EXPECT_THAT(bad.err, testing::ContainsRegex("bad.toml:[0-9]+:[0-9]+: key 'finger.coupling' is 9.3"));
+  EXPECT_THAT(bad.err, HasSubstr("give a value from 0 to 1"));
+}
+
 // Until its output has the text; false if the program ends before.
 bool waitFor(Process& process, const std::string& text) {
   while (process.out().find(text) == std::string::npos && process.err().find(text) == std::string::npos) {
@@ -292,13 +407,6 @@ bool waitFor(Process& process, const std::string& text) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   return true;
-}
-
-std::vector<std::string> lines(const std::string& text) {
-  std::vector<std::string> all;
-  std::istringstream in(text);
-  for (std::string line; std::getline(in, line);) all.push_back(line);
-  return all;
 }
 
 TEST_F(Service, MonitorShowsWhatIsSaid) {
