@@ -60,7 +60,8 @@ PlanRequest requestOf(const PlanCommand& command) {
 }
 
 GraspPlanner plannerOf(const PlanCommand& command) {
-  return {command.hand ? readHandDescription(*command.hand) : barrettHand(), modelOrDefault(command.model),
+  const HandDescription hand = handOrBarrett(command.hand);
+  return {hand, modelOrDefault(command.model, hand),
           command.config ? readPlannerOptions(*command.config) : PlannerOptions{}};
 }
 

@@ -26,13 +26,16 @@ boxgrasp_room(wrench        ROOMS base geometry LIBRARIES PkgConfig::QHULL)
 boxgrasp_room(ranking       ROOMS base LIBRARIES nlohmann_json::nlohmann_json PkgConfig::SODIUM)
 boxgrasp_room(planning      ROOMS base geometry cloud decomposition projection synthesis hand quality wrench ranking
                             LIBRARIES PkgConfig::TOMLPLUSPLUS)
-# The built-in model is the text of the file that is shipped; without it the programs ask for --model.
-set(default_model ${PROJECT_SOURCE_DIR}/deploy/models/default.json)
-set(DEFAULT_MODEL_JSON "")
-if(EXISTS ${default_model})
-  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${default_model})
-  file(READ ${default_model} DEFAULT_MODEL_JSON)
-endif()
+# The built-in models are the texts of the files that are shipped; without them the programs ask for --model.
+foreach(model default parallel_gripper)
+  set(model_file ${PROJECT_SOURCE_DIR}/deploy/models/${model}.json)
+  string(TOUPPER ${model}_MODEL_JSON model_text)
+  set(${model_text} "")
+  if(EXISTS ${model_file})
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${model_file})
+    file(READ ${model_file} ${model_text})
+  endif()
+endforeach()
 configure_file(boxgrasp/planning/default_model_json.cc.in default_model_json.cc @ONLY)
 target_sources(boxgrasp_planning PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/default_model_json.cc)
 boxgrasp_room(rendering     ROOMS base geometry decomposition projection synthesis hand planning

@@ -51,8 +51,8 @@ void run(const CommandLine& line) {
   options.workers = line.workers.value_or(options.workers);
   options.queue = line.queue.value_or(options.queue);
   options.validate();
-  GraspPlanner planner(line.hand ? readHandDescription(*line.hand) : barrettHand(),
-                       modelOrDefault(line.model), planner_options);
+  const HandDescription hand = handOrBarrett(line.hand);
+  GraspPlanner planner(hand, modelOrDefault(line.model, hand), planner_options);
   spdlog::info("boxgrasp-server " BOXGRASP_VERSION ", model {} ({}), hand {}", planner.model().version,
                planner.model().name, planner.hand().name);
   serve(std::move(planner), options);

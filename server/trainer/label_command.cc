@@ -104,6 +104,7 @@ class Labeller {
  public:
   Labeller(const LabelCommand& command, const StopToken& stop)
       : command_(command),
+        hand_(handOrBarrett(command.hand)),
         options_(optionsOf(command)),
         sources_(parseSources(command.sources)),
         views_(viewsOf(command)),
@@ -132,7 +133,7 @@ class Labeller {
                   const std::vector<HypothesisRecord>& hypotheses, const std::vector<LabelSlot>& slots);
 
   LabelCommand command_;
-  const HandDescription& hand_ = barrettHand();
+  HandDescription hand_;
   LabellingOptions options_;
   std::vector<GraspSource> sources_;
   std::vector<std::string> views_;

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@ namespace boxgrasp {
 
 struct LabelCommand {
   std::string objects = "builtin";  // or "paper", or a folder of meshes
+  std::optional<std::filesystem::path> hand;  // else the Barrett hand
   std::filesystem::path out;        // the experience store; what it holds already is not labelled again
   std::vector<double> scales{0.75, 1.0, 1.5};
   double unit_m = 1.0;         // of the meshes' coordinates

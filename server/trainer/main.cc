@@ -237,6 +237,7 @@ void addLabel(CLI::App& app, LabelCommand& command) {
   app.add_option("--limit", command.limit, "hypotheses of each model and source, evenly chosen; 0: all")
       ->capture_default_str();
   app.add_option("--random", command.random, "random grasps of each model")->capture_default_str();
+  app.add_option("--hand", command.hand, "hand description file (TOML); the Barrett hand if none is given");
   app.add_option("--only", command.only, "the object of this name alone");
   app.add_option("--shard", command.shard, "i/n: every n-th object and scale, from the i-th on (from 0)");
   app.add_option("--seed", command.seed, "of sampling, cameras and perturbations")->capture_default_str();

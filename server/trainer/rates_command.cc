@@ -103,6 +103,7 @@ StudyCommand studyOf(const RatesCommand& command) {
   StudyCommand study;
   study.store = command.store;
   study.meshes = command.meshes;
+  study.hand = command.hand;
   study.threads = command.threads;
   return study;
 }

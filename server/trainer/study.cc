@@ -171,7 +171,7 @@ std::string row(const RankingVerdict& verdict) {
 }  // namespace
 
 StudyData studyData(const StudyCommand& command, const StopToken& stop) {
-  const HandDescription hand = command.hand ? readHandDescription(*command.hand) : barrettHand();
+  const HandDescription hand = handOrBarrett(command.hand);
   StudyData data;
   data.features = featuresOf(command);
   data.target = targetOf(command.target);

@@ -37,10 +37,10 @@ std::vector<ObjectSource> sourcesOf(const std::string& set, const std::vector<do
 Planning planningWith(const std::optional<std::filesystem::path>& hand,
                       const std::optional<std::filesystem::path>& config) {
   Planning planning;
-  if (hand) planning.hand = readHandDescription(*hand);
+  planning.hand = handOrBarrett(hand);
   if (config) planning.options = readPlannerOptions(*config);
   planning.options.scene.whole = true;
-  planning.model = modelOrDefault({});
+  planning.model = modelOrDefault({}, planning.hand);
   return planning;
 }
 

@@ -81,9 +81,15 @@ class PlanarSearch {
   }
 
   // F1's and F2's points are straight ahead of their spread axes: the fingers stay parallel, whatever the
-  // palm's place along them. It is put midway, where all three are closed alike and end at one depth.
+  // palm's place along them. It is put midway, where all three are closed alike and end at one depth. A jaw
+  // cannot bend to two points of which one stands back: it may do so by what the object turns on it.
   std::optional<ReachRejection> solveParallel(PlanarSolution solution, double b1, double b2,
                                               std::vector<PlanarSolution>& solutions) const {
+    if (hand_.prismatic()) {
+      if (std::abs(b1 - b2) > 2 * hand_.spread_offset * options_.friction)
+        return ReachRejection::friction_cone;
+      b1 = b2 = std::max(b1, b2);
+    }
     const double s = 0.25 * (b1 + b2);
     solution.reach = {b1 - s, b2 - s, s};
     return check(solution, {0.0, 1.0}, solutions);

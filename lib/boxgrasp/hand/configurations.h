@@ -66,9 +66,9 @@ struct Configurations {
 // Where F1's and F2's points are mirror images in the thumb's axis to within 0.5 mm, a whole range of spreads
 // fits: it is swept as well, in thumb_steps, and there the points of F1 and F2 are met to within 0.4 mm.
 // Where they are straight ahead of the spread axes to within 0.5 mm, the fingers stay parallel, with the palm
-// midway between them and the thumb. Otherwise F1 and F2 reach outwards from their spread axes. The palm's
-// height is the one that brings the depths of the three fingertips nearest to their aims. Ordered by point of
-// the thumb, then by the size of the thumb angle. O(thumb_steps) a triplet.
+// midway between them and the thumb; a gripper's jaws always do. Otherwise F1 and F2 reach outwards from
+// their spread axes. The palm's height is the one that brings the depths of the three fingertips nearest to
+// their aims. Ordered by point of the thumb, then by the size of the thumb angle. O(thumb_steps) a triplet.
 Configurations findConfigurations(const HandDescription& hand, const Triplet& triplet, int triplet_index,
                                   const ConfigurationOptions& options = {});
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <fstream>
 #include <numbers>
+#include <span>
 #include <sstream>
 
 #include "boxgrasp/base/error.h"
@@ -24,8 +25,9 @@ struct Field {
   double unit;
   double min, max;  // in the file's unit
 };
+using Fields = std::span<const Field>;
 
-constexpr Field kFields[] = {
+constexpr Field kRevolute[] = {
     {"palm", "spread_offset_mm", &HandDescription::spread_offset, kMillimetre, 0.1, 1000},
     {"palm", "base_radius_mm", &HandDescription::base_radius, kMillimetre, 0, 1000},
     {"palm", "joint_height_mm", &HandDescription::joint_height, kMillimetre, -1000, 1000},
@@ -49,19 +51,57 @@ constexpr Field kFields[] = {
     {"depth", "slope", &HandDescription::depth_slope, 1.0, -100, 100},
     {"depth", "offset_mm", &HandDescription::depth_offset, kMillimetre, -1000, 1000},
 };
-constexpr std::string_view kNameKey = "name";
+constexpr Field kPrismatic[] = {
+    {"palm", "radius_mm", &HandDescription::palm_radius, kMillimetre, 0.1, 1000},
+    {"palm", "thickness_mm", &HandDescription::palm_thickness, kMillimetre, 0.1, 1000},
+    {"jaw", "half_opening_mm", &HandDescription::base_radius, kMillimetre, 0.1, 1000},
+    {"jaw", "virtual_offset_mm", &HandDescription::spread_offset, kMillimetre, 0.1, 1000},
+    {"jaw", "foot_height_mm", &HandDescription::joint_height, kMillimetre, -1000, 1000},
+    {"jaw", "stem_length_mm", &HandDescription::inner_length, kMillimetre, 0.1, 1000},
+    {"jaw", "stem_radius_mm", &HandDescription::inner_radius, kMillimetre, 0.1, 100},
+    {"jaw", "pad_length_mm", &HandDescription::tip_length, kMillimetre, 0.1, 1000},
+    {"jaw", "pad_radius_mm", &HandDescription::tip_radius, kMillimetre, 0.1, 100},
+    {"motor", "slide_mm_per_rad", &HandDescription::slide_per_rad, kMillimetre, 0.1, 1000},
+    {"motor", "max_deg", &HandDescription::inner_max, kDegree, 0.1, 100000},
+    {"motor", "max_force_n", &HandDescription::max_tip_force, 1.0, 0.01, 10000},
+};
+constexpr std::string_view kNameKey = "name", kFingersKey = "fingers";
+constexpr std::string_view kRevoluteWord = "revolute", kPrismaticWord = "prismatic";
+
+// A jaw has neither spread nor a second joint, its rail is as thick as its stem, and its tip is always as
+// high.
+void fillJaws(HandDescription& hand) {
+  hand.knuckle_radius = hand.inner_radius;
+  hand.outer_radius = hand.tip_radius;
+  for (const auto member :
+       {&HandDescription::inner_rest, &HandDescription::outer_rest, &HandDescription::coupling,
+        &HandDescription::inner_min, &HandDescription::outer_max, &HandDescription::spread_min,
+        &HandDescription::spread_max, &HandDescription::depth_slope})
+    hand.*member = 0.0;
+  hand.depth_offset = hand.joint_height + hand.inner_length + hand.tip_length;
+}
 
 // Reads one file; every complaint says where.
 class Reader {
  public:
-  Reader(const std::string& text, const std::string& file) : file_(file), root_(parse(text)) {}
+  Reader(const std::string& text, const std::string& file)
+      : file_(file),
+        root_(parse(text)),
+        joint_(readJoint()),
+        fields_(joint_ == FingerJoint::prismatic ? Fields(kPrismatic) : Fields(kRevolute)) {}
 
   HandDescription read() const {
     refuseUnknown();
     HandDescription hand;
     hand.name = readName();
-    for (const Field& field : kFields) hand.*field.member = readNumber(field);
-    checkTogether(hand);
+    hand.joint = joint_;
+    for (const Field& field : fields_) hand.*field.member = readNumber(field);
+    if (hand.prismatic()) {
+      fillJaws(hand);
+      checkJaws(hand);
+    } else {
+      checkTogether(hand);
+    }
     return hand;
   }
 
@@ -76,18 +116,16 @@ class Reader {
     fail(error.source(), fmt::format("not a TOML file: {}; mend the syntax here", error.description()));
   }
 
-  static bool isSection(std::string_view name) {
-    return std::any_of(std::begin(kFields), std::end(kFields),
-                       [&](const Field& f) { return f.section == name; });
+  bool isSection(std::string_view name) const {
+    return std::ranges::any_of(fields_, [&](const Field& f) { return f.section == name; });
   }
-  static bool isKey(std::string_view section, std::string_view key) {
-    return std::any_of(std::begin(kFields), std::end(kFields),
-                       [&](const Field& f) { return f.section == section && f.key == key; });
+  bool isKey(std::string_view section, std::string_view key) const {
+    return std::ranges::any_of(fields_, [&](const Field& f) { return f.section == section && f.key == key; });
   }
 
   void refuseUnknown() const {
     for (const auto& [key, node] : root_) {
-      if (key == kNameKey) continue;
+      if (key == kNameKey || key == kFingersKey) continue;
       if (!isSection(key.str())) failUnknown(key, std::string(key.str()));
       if (!node.is_table())
         fail(node.source(), fmt::format("'{0}' is a value, but must be a section; write [{0}]", key.str()));
@@ -99,8 +137,20 @@ class Reader {
   }
   [[noreturn]] void failUnknown(const toml::key& key, const std::string& path) const {
     fail(key.source(), fmt::format("unknown key '{}'; remove it or correct its spelling "
-                                   "(deploy/hands/barrett.toml explains all keys)",
-                                   path));
+                                   "({} explains all keys)",
+                                   path,
+                                   joint_ == FingerJoint::prismatic ? "deploy/hands/parallel_gripper.toml"
+                                                                    : "deploy/hands/barrett.toml"));
+  }
+
+  FingerJoint readJoint() const {
+    const toml::node* node = root_[kFingersKey].node();
+    const std::string word = node ? node->value_or(std::string()) : std::string(kRevoluteWord);
+    if (word == kPrismaticWord) return FingerJoint::prismatic;
+    if (word == kRevoluteWord) return FingerJoint::revolute;
+    fail(node->source(),
+         fmt::format("key '{}' must be \"{}\" (fingers that turn; the default) or \"{}\" (jaws)", kFingersKey,
+                     kRevoluteWord, kPrismaticWord));
   }
 
   std::string readName() const {
@@ -142,12 +192,20 @@ class Reader {
             "palm", "spread_offset_mm",
             "must be at least twice the radius of the links and the tip, or the fingers meet the thumb");
   }
+  void checkJaws(const HandDescription& hand) const {
+    require(hand.slide_per_rad * hand.inner_max <= hand.base_radius, "motor", "max_deg",
+            "must slide the jaws by at most half_opening_mm, or they meet before");
+    require(hand.inner_radius <= hand.tip_radius, "jaw", "stem_radius_mm",
+            "must be at most pad_radius_mm, or the stem touches before the pad");
+  }
   void require(bool holds, std::string_view section, std::string_view key, std::string_view what) const {
     if (!holds) fail(root_[section][key].node()->source(), fmt::format("key '{}.{}' {}", section, key, what));
   }
 
   std::string file_;
   toml::table root_;
+  FingerJoint joint_;
+  Fields fields_;
 };
 
 }  // namespace
@@ -165,6 +223,10 @@ HandDescription readHandDescription(const std::filesystem::path& file) {
 
 HandDescription parseHandDescription(const std::string& toml, const std::string& name_for_errors) {
   return Reader(toml, name_for_errors).read();
+}
+
+HandDescription handOrBarrett(const std::optional<std::filesystem::path>& file) {
+  return file ? readHandDescription(*file) : barrettHand();
 }
 
 const HandDescription& barrettHand() {

@@ -25,6 +25,7 @@ Vector2d along(double length, double angle) { return {length * std::cos(angle), 
 
 // The derivative of `extension` by the joint angle.
 double extensionRate(const HandDescription& hand, double joint) {
+  if (hand.prismatic()) return -hand.slide_per_rad;
   const LinkAngles angles = linkAngles(hand, joint);
   return -hand.inner_length * std::sin(angles.inner) -
          angles.outer_rate * hand.tip_length * std::sin(angles.outer);
@@ -33,7 +34,7 @@ double extensionRate(const HandDescription& hand, double joint) {
 constexpr double kReachRounding = 1e-12;  // metres; an extension at the very end of the reach is in reach
 constexpr int kMaxIterations = 100;       // bisection alone needs 55
 
-// The names of the three links of F1, F2 and the thumb.
+// The names of the three links of F1, F2 and the thumb; of jaws: of rail, stem and pad.
 constexpr std::string_view kLinkNames[3][3] = {{"F1 knuckle", "F1 inner link", "F1 outer link"},
                                                {"F2 knuckle", "F2 inner link", "F2 outer link"},
                                                {"thumb knuckle", "thumb inner link", "thumb outer link"}};
@@ -43,9 +44,52 @@ Vector2d baseOf(const HandDescription& hand, int finger) {
   return {side * hand.spread_offset, 0.0};
 }
 
+// Points of one finger's plane in P.
+class FingerPlane {
+ public:
+  FingerPlane(const HandDescription& hand, int finger, double spread)
+      : base_(baseOf(hand, finger)),
+        direction_(fingerDirection(static_cast<Finger>(finger), spread)),
+        radius_(hand.base_radius),
+        height_(hand.joint_height) {}
+  Vector3d at(const Vector2d& in_plane) const {
+    const Vector2d p = base_ + (radius_ + in_plane.x()) * direction_;
+    return {p.x(), p.y(), height_ + in_plane.y()};
+  }
+  Vector3d base() const { return {base_.x(), base_.y(), height_}; }
+
+ private:
+  Vector2d base_, direction_;
+  double radius_, height_;
+};
+
+void placeFinger(const HandDescription& hand, int finger, double joint, const FingerPlane& plane,
+                 Capsule* links) {
+  const auto& names = kLinkNames[finger];
+  const Vector3d inner_joint = plane.at({0, 0});
+  const Vector3d outer_joint = plane.at(along(hand.inner_length, linkAngles(hand, joint).inner));
+  links[0] = {names[0], finger, plane.base(), inner_joint, hand.knuckle_radius};
+  links[1] = {names[1], finger, inner_joint, outer_joint, hand.inner_radius};
+  links[2] = {names[2], finger, outer_joint, plane.at(fingertipInPlane(hand, joint)), hand.outer_radius};
+}
+
+void placeJaw(const HandDescription& hand, int finger, double joint, const FingerPlane& plane,
+              Capsule* links) {
+  const auto& names = kLinkNames[finger];
+  const Vector2d tip = fingertipInPlane(hand, joint);
+  const Vector3d foot = plane.at({tip.x(), 0}), pad = plane.at({tip.x(), hand.inner_length}),
+                 end = plane.at(tip), across(hand.spread_offset, 0, 0);
+  const bool thumb = finger == kThumb;
+  links[0] = {names[0], finger, plane.base(), plane.at({hand.tip_radius, 0}), hand.knuckle_radius};
+  links[1] = {names[1], finger, foot, thumb ? end : pad, hand.inner_radius};
+  links[2] = {names[2], finger, thumb ? end - across : pad, thumb ? end + across : end, hand.outer_radius};
+}
+
 }  // namespace
 
 Vector2d fingertipInPlane(const HandDescription& hand, double inner) {
+  if (hand.prismatic())
+    return {hand.tip_radius - hand.slide_per_rad * inner, hand.inner_length + hand.tip_length};
   const LinkAngles angles = linkAngles(hand, inner);
   return along(hand.inner_length, angles.inner) + along(hand.tip_length, angles.outer);
 }
@@ -108,20 +152,10 @@ HandGeometry forwardKinematics(const HandDescription& hand, const HandJoints& jo
   geometry.palm_radius = hand.palm_radius;
   geometry.palm_thickness = hand.palm_thickness;
   for (int finger = 0; finger < 3; ++finger) {
-    const Vector2d base = baseOf(hand, finger);
-    const Vector2d direction = fingerDirection(static_cast<Finger>(finger), joints.spread);
-    const auto at = [&](const Vector2d& in_plane) {
-      const Vector2d p = base + (hand.base_radius + in_plane.x()) * direction;
-      return Vector3d(p.x(), p.y(), hand.joint_height + in_plane.y());
-    };
-    const Vector3d knuckle(base.x(), base.y(), hand.joint_height), inner_joint = at({0, 0});
-    const Vector3d outer_joint = at(along(hand.inner_length, linkAngles(hand, joints.inner[finger]).inner));
-    const Vector3d tip = at(fingertipInPlane(hand, joints.inner[finger]));
-    Capsule* links = &geometry.links[3 * finger];
-    links[0] = {kLinkNames[finger][0], finger, knuckle, inner_joint, hand.knuckle_radius};
-    links[1] = {kLinkNames[finger][1], finger, inner_joint, outer_joint, hand.inner_radius};
-    links[2] = {kLinkNames[finger][2], finger, outer_joint, tip, hand.outer_radius};
-    geometry.tips_P[finger] = tip;
+    const FingerPlane plane(hand, finger, joints.spread);
+    const double joint = joints.inner[finger];
+    (hand.prismatic() ? placeJaw : placeFinger)(hand, finger, joint, plane, &geometry.links[3 * finger]);
+    geometry.tips_P[finger] = plane.at(fingertipInPlane(hand, joint));
   }
   return geometry;
 }

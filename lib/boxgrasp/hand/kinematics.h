@@ -12,14 +12,15 @@ namespace boxgrasp {
 
 enum Finger { kF1 = 0, kF2 = 1, kThumb = 2 };
 
-// Joint angles, radians. The outer joints follow the inner ones by the coupling.
+// Joint angles, radians. The outer joints follow the inner ones by the coupling. Of jaws: their motors'
+// angles, the same for all three.
 struct HandJoints {
   double spread = 0.0;
   std::array<double, 3> inner{0, 0, 0};  // f1, f2, f3 (thumb)
 };
 
-// A finger's tip in its own plane: x from the inner joint outwards, z above the inner joint's axis, of the
-// fingertip sphere's centre.
+// A finger's tip in its own plane: x from the inner joint outwards (prismatic: from where the open pad's face
+// is), z above the inner joint's axis, of the fingertip sphere's centre.
 Vector2d fingertipInPlane(const HandDescription& hand, double inner);
 
 // e: signed distance from the inner joint to the point where the fingertip touches a wall that stands across
@@ -52,9 +53,11 @@ struct Capsule {
   double radius = -1.0;
 };
 
-// The hand's links in P. The palm is a cylinder about z from -palm_thickness to 0.
+// The hand's links in P. Of jaws: the rail, fixed to the palm, on which the finger slides; its stem; its pad,
+// which is a bar across the thumb's jaw, as wide as both virtual fingers of the other together. The palm is a
+// cylinder about z from -palm_thickness to 0.
 struct HandGeometry {
-  std::array<Capsule, 9> links;    // for each finger knuckle, inner link, outer link
+  std::array<Capsule, 9> links;    // for each finger knuckle (rail), inner link (stem), outer link (pad)
   std::array<Vector3d, 3> tips_P;  // centres of the fingertip spheres
   double palm_radius, palm_thickness;
 };

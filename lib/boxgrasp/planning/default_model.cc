@@ -4,12 +4,13 @@
 
 namespace boxgrasp {
 
-Model modelOrDefault(const std::optional<std::filesystem::path>& file) {
+Model modelOrDefault(const std::optional<std::filesystem::path>& file, const HandDescription& hand) {
   if (file) return readModel(*file);
-  if (*kDefaultModelJson == '\0')
+  const char* const json = hand.prismatic() ? kGripperModelJson : kDefaultModelJson;
+  if (*json == '\0')
     throw InputError(
         "this build has no built-in model; name one with --model FILE (boxgrasp-trainer train makes them)");
-  return parseModel(kDefaultModelJson, "the built-in model");
+  return parseModel(json, "the built-in model");
 }
 
 }  // namespace boxgrasp

@@ -34,13 +34,20 @@ std::vector<Region> regionsOf(const FaceWork& work, const FaceImage& image, Tall
 std::vector<Triplet> tripletsOf(const FaceWork& work, const FaceImage& image,
                                 const std::vector<Region>& regions, Tally& tally) {
   const StageTimer timer(tally, StageId::triplets);
-  Triplets found = findTriplets(regions, image, work.options.triplets, work.stop);
-  if (work.options.triplets.pinches) {
+  TripletOptions options = work.options.triplets;
+  Triplets found;
+  if (work.hand.prismatic()) {
+    options.end_margin_m = std::min(options.end_margin_m, work.hand.tip_radius);  // of half a pad
+  } else {
+    found = findTriplets(regions, image, options, work.stop);
+  }
+  if (options.pinches || work.hand.prismatic()) {
     const std::vector<Triplet> pinches =
-        findPinches(regions, image, 2 * work.hand.spread_offset, work.options.triplets, work.stop);
+        findPinches(regions, image, 2 * work.hand.spread_offset, options, work.stop);
     found.triplets.insert(found.triplets.end(), pinches.begin(), pinches.end());
   }
-  tally.count(StageId::triplets, found.counts.considered, found.triplets.size());
+  tally.count(StageId::triplets, std::max(found.counts.considered, found.triplets.size()),
+              found.triplets.size());
   tally.reject("triplet: normals do not span the plane", found.counts.not_spanning);
   tally.reject("triplet: friction cones do not meet", found.counts.cones_apart);
   tally.reject("triplet: focus outside the finger points", found.counts.focus_outside);

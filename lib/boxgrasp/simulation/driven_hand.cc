@@ -16,6 +16,11 @@ constexpr double kPressed = 0.93;
 
 constexpr double kServoRate = 100.0;  // 1/s: how fast a joint's servo removes its error
 
+// A jaw of a common gripper. Its slider keeps it from turning, so that its inertia matters little.
+constexpr double kJawMass = 0.1;     // kg
+constexpr double kJawLever = 0.03;   // m
+constexpr double kGearForce = 2000;  // newtons that the gear between two jaws transmits: more than any load
+
 // Of a solid cylinder of the capsule's full length about its middle: the caps' rounding is nothing beside the
 // gears, which no model of the hand gives.
 Matrix3d linkInertia(double mass_kg, const Vector3d& along, double radius) {
@@ -52,7 +57,32 @@ DrivenHand::DrivenHand(const HandDescription& hand, const HandJoints& joints, co
   palm_ = world.addKinematicBody(X_WP);
   parts_.push_back({palmPart(hand), palm_});
   const HandGeometry geometry = forwardKinematics(hand, joints);
-  for (int finger = 0; finger < 3; ++finger) addFinger(finger, joints, geometry, X_WP);
+  if (hand.prismatic()) {
+    addJaw({kF1, kF2}, joints, geometry, X_WP);
+    addJaw({kThumb}, joints, geometry, X_WP);
+  } else {
+    for (int finger = 0; finger < 3; ++finger) addFinger(finger, joints, geometry, X_WP);
+  }
+}
+
+void DrivenHand::addJaw(const std::vector<Finger>& on_it, const HandJoints& joints,
+                        const HandGeometry& geometry, const Pose& X_WP) {
+  const Finger first = on_it.front();
+  const Pose X_PB = makePose(Matrix3d::Identity(), geometry.tips_P[first]);
+  const BodyId body =
+      world_.addBody(kJawMass, kJawMass * kJawLever * kJawLever * Matrix3d::Identity(), X_WP * X_PB);
+  const Vector2d outwards = fingerDirection(first, joints.spread);
+  const double start = joints.inner[first], slide = hand_.slide_per_rad;
+  const JointId slider =
+      world_.addSlider(palm_, body, X_WP.linear() * Vector3d(-outwards.x(), -outwards.y(), 0.0),
+                       slide * (hand_.inner_min - start), slide * (hand_.inner_max - start));
+  for (const Finger finger : on_it) {
+    const Capsule* rail = &geometry.links[3 * finger];
+    parts_.push_back({linkPart(*rail), palm_});
+    for (const Capsule* link : {rail + 1, rail + 2})
+      parts_.push_back({moved(linkPart(*link), X_PB.inverse()), body});
+    fingers_[finger] = {.inner = body, .outer = body, .inner_hinge = slider, .inner_start = start};
+  }
 }
 
 BodyId DrivenHand::addLink(const Capsule& link_P, double mass_kg, const Pose& X_WP) {
@@ -82,6 +112,7 @@ void DrivenHand::addFinger(int finger, const HandJoints& joints, const HandGeome
 }
 
 void DrivenHand::drive() {
+  if (hand_.prismatic()) return driveJaws();
   for (DrivenFinger& finger : fingers_) {
     if (finger.paused) continue;
     follow(finger);
@@ -91,6 +122,10 @@ void DrivenHand::drive() {
 
 void DrivenHand::pause(std::size_t part) {
   if (parts_[part].body == palm_) return;
+  if (hand_.prismatic()) {
+    for (DrivenFinger& finger : fingers_) finger.paused = true;
+    return;
+  }
   DrivenFinger& finger = fingers_[parts_[part].part.finger];
   finger.paused = true;
   world_.drive(finger.inner_hinge, 0.0, options_.touch_torque_nm);
@@ -113,6 +148,20 @@ void DrivenHand::recall(const DriveMemory& memory) {
   rate_ = memory.rate;
   load_n_ = memory.load_n;
   locked_ = memory.locked;
+}
+
+// The motor is at the jaw of F1 and F2; the gear brings the other to the same place.
+void DrivenHand::driveJaws() {
+  DrivenFinger& lead = fingers_[kF1];
+  const double rate = lead.paused ? 0.0 : hand_.slide_per_rad * rate_, moving = world_.rate(lead.inner_hinge);
+  const bool slow = moving < options_.stalled_share * rate;
+  lead.slow_time_s = slow && !lead.paused ? lead.slow_time_s + world_.stepSize() : 0.0;
+  if (lead.slow_time_s > options_.stalled_time_s) lead.state = DriveState::stalled;
+  for (DrivenFinger& finger : fingers_) finger.state = lead.state;
+  const JointId follower = fingers_[kThumb].inner_hinge;
+  const double behind = world_.place(lead.inner_hinge) - world_.place(follower);
+  world_.drive(lead.inner_hinge, rate, hand_.max_tip_force);
+  world_.drive(follower, moving + kServoRate * behind, kGearForce);
 }
 
 void DrivenHand::follow(DrivenFinger& finger) {
@@ -157,13 +206,19 @@ bool DrivenHand::stalled() const {
 
 HandJoints DrivenHand::joints() const {
   HandJoints joints{spread_, {}};
+  if (hand_.prismatic()) {
+    for (int i = 0; i < 3; ++i)
+      joints.inner[i] = fingers_[i].inner_start + world_.place(fingers_[i].inner_hinge) / hand_.slide_per_rad;
+    return joints;
+  }
   for (int i = 0; i < 3; ++i)
     joints.inner[i] = fingers_[i].inner_start + world_.angle(fingers_[i].inner_hinge);
   return joints;
 }
 
 std::array<double, 3> DrivenHand::outerJoints() const {
-  std::array<double, 3> outer;
+  std::array<double, 3> outer{};
+  if (hand_.prismatic()) return outer;
   for (int i = 0; i < 3; ++i) outer[i] = fingers_[i].outer_start + world_.angle(fingers_[i].outer_hinge);
   return outer;
 }
@@ -174,7 +229,7 @@ std::vector<PhysicalContact> DrivenHand::selfContacts() const {
     for (std::size_t j = i + 1; j < parts_.size(); ++j) {
       const auto& [a, body_a] = parts_[i];
       const auto& [b, body_b] = parts_[j];
-      if (a.finger == b.finger || body_a == palm_ || body_b == palm_) continue;
+      if (a.finger == b.finger || body_a == body_b || body_a == palm_ || body_b == palm_) continue;
       const Pose X_WA = world_.pose(body_a), X_WB = world_.pose(body_b);
       const SegmentPair near = closestPoints(X_WA * a.centers_B.front(), X_WA * a.centers_B.back(),
                                              X_WB * b.centers_B.front(), X_WB * b.centers_B.back());

@@ -1,4 +1,5 @@
-// The hand as bodies in a physical world: four motors, three of which close one finger each.
+// The hand as bodies in a physical world: four motors, three of which close one finger each; or one that
+// closes two jaws.
 #pragma once
 
 #include <array>
@@ -16,6 +17,9 @@ namespace boxgrasp {
 // slower the nearer the heaviest loaded outer link of the hand is to max_tip_force, and back before it is
 // reached: so no fingertip presses with more, and two fingers do not overwhelm the one between them. Once the
 // grasp is locked, motors still press on where the load falls, but no load turns them back.
+//
+// Jaws are two bodies on sliders. One motor moves both, so that their ways are always the same: it presses
+// with max_tip_force, and gives way to more. The rates below are the motor's; a jaw that touches stops both.
 struct DriveOptions {
   // Of the inner joint until the object is touched: half of what the real hand can, which closes in about a
   // second.
@@ -34,9 +38,9 @@ struct DriveOptions {
 enum class DriveState { closing, clutch_open, stalled };
 
 struct DrivenFinger {
-  BodyId inner = nullptr, outer = nullptr;
-  HingeId inner_hinge = nullptr, outer_hinge = nullptr;
-  double inner_start = 0.0, outer_start = 0.0;  // the joint angles at which the hinges were added
+  BodyId inner = nullptr, outer = nullptr;  // of a jaw: the same body, and F1 and F2 share theirs
+  JointId inner_hinge = nullptr, outer_hinge = nullptr;  // of a jaw: its slider, and none
+  double inner_start = 0.0, outer_start = 0.0;           // the joint angles at which the hinges were added
   DriveState state = DriveState::closing;
   bool paused = false;
   double lock_angle = 0.0;  // of the inner hinge, once the clutch is open
@@ -90,8 +94,11 @@ class DrivenHand {
 
  private:
   void addFinger(int finger, const HandJoints& joints, const HandGeometry& geometry, const Pose& X_WP);
+  void addJaw(const std::vector<Finger>& on_it, const HandJoints& joints, const HandGeometry& geometry,
+              const Pose& X_WP);
   BodyId addLink(const Capsule& link_P, double mass_kg, const Pose& X_WP);
   void driveFinger(DrivenFinger& finger);
+  void driveJaws();
   void follow(DrivenFinger& finger);
 
   HandDescription hand_;

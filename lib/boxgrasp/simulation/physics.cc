@@ -59,6 +59,8 @@ dMass massOf(double mass_kg, const Matrix3d& I) {
   return mass;
 }
 
+bool isSlider(JointId joint) { return dJointGetType(joint) == dJointTypeSlider; }
+
 // The world's tangent for friction: along the slip, where the pyramid of friction touches the cone, so that a
 // contact that gives way does so at the friction of the cone, whatever its direction.
 void setTangent(dContact& contact, const Vector3d& slip_W, const Vector3d& normal_W) {
@@ -135,7 +137,7 @@ BodyId PhysicsWorld::addKinematicBody(const Pose& X_WB) {
   return body;
 }
 
-HingeId PhysicsWorld::addHinge(BodyId parent, BodyId child, const Vector3d& anchor_W, const Vector3d& axis_W,
+JointId PhysicsWorld::addHinge(BodyId parent, BodyId child, const Vector3d& anchor_W, const Vector3d& axis_W,
                                double lowest, double highest) {
   const dJointID hinge = dJointCreateHinge(impl_->world, nullptr);
   dJointAttach(hinge, child, parent);
@@ -146,13 +148,28 @@ HingeId PhysicsWorld::addHinge(BodyId parent, BodyId child, const Vector3d& anch
   return hinge;
 }
 
-void PhysicsWorld::drive(HingeId hinge, double rate, double torque) {
-  dJointSetHingeParam(hinge, dParamVel, rate);
-  dJointSetHingeParam(hinge, dParamFMax, torque);
+// The engine's axis of a slider is along the first body's way relative to the second.
+JointId PhysicsWorld::addSlider(BodyId parent, BodyId child, const Vector3d& axis_W, double lowest,
+                                double highest) {
+  const dJointID slider = dJointCreateSlider(impl_->world, nullptr);
+  dJointAttach(slider, child, parent);
+  dJointSetSliderAxis(slider, axis_W.x(), axis_W.y(), axis_W.z());
+  dJointSetSliderParam(slider, dParamLoStop, lowest);
+  dJointSetSliderParam(slider, dParamHiStop, highest);
+  return slider;
 }
 
-double PhysicsWorld::angle(HingeId hinge) const { return dJointGetHingeAngle(hinge); }
-double PhysicsWorld::rate(HingeId hinge) const { return dJointGetHingeAngleRate(hinge); }
+void PhysicsWorld::drive(JointId joint, double rate, double effort) {
+  const auto set = isSlider(joint) ? dJointSetSliderParam : dJointSetHingeParam;
+  set(joint, dParamVel, rate);
+  set(joint, dParamFMax, effort);
+}
+
+double PhysicsWorld::angle(JointId hinge) const { return dJointGetHingeAngle(hinge); }
+double PhysicsWorld::place(JointId slider) const { return dJointGetSliderPosition(slider); }
+double PhysicsWorld::rate(JointId joint) const {
+  return isSlider(joint) ? dJointGetSliderPositionRate(joint) : dJointGetHingeAngleRate(joint);
+}
 
 void PhysicsWorld::hold(BodyId body, double force, double torque) {
   const dJointID linear = dJointCreateLMotor(impl_->world, impl_->holds);

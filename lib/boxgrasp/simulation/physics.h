@@ -13,7 +13,7 @@ struct dxJoint;
 namespace boxgrasp {
 
 using BodyId = dxBody*;    // of one world, valid as long as that
-using HingeId = dxJoint*;  // likewise
+using JointId = dxJoint*;  // likewise
 
 // The engine could not solve a step. The world can be destroyed, but not stepped again.
 struct PhysicsFailure : std::exception {
@@ -60,13 +60,19 @@ class PhysicsWorld {
   BodyId addKinematicBody(const Pose& X_WB);
   // The angle is 0 in the poses at the time of adding, grows as the child turns about the axis, and stays
   // within [lowest, highest].
-  HingeId addHinge(BodyId parent, BodyId child, const Vector3d& anchor_W, const Vector3d& axis_W,
+  JointId addHinge(BodyId parent, BodyId child, const Vector3d& anchor_W, const Vector3d& axis_W,
                    double lowest, double highest);
 
-  // Drives the hinge at this rate, in rad/s, with at most this torque, in N m, until driven otherwise.
-  void drive(HingeId hinge, double rate, double torque);
-  double angle(HingeId hinge) const;
-  double rate(HingeId hinge) const;
+  // The place is 0 in the poses at the time of adding, grows as the child moves along the axis, and stays
+  // within [lowest, highest], metres.
+  JointId addSlider(BodyId parent, BodyId child, const Vector3d& axis_W, double lowest, double highest);
+
+  // Drives the joint at this rate, in rad/s or m/s, with at most this torque or force, in N m or N, until
+  // driven otherwise.
+  void drive(JointId joint, double rate, double effort);
+  double angle(JointId hinge) const;
+  double place(JointId slider) const;
+  double rate(JointId joint) const;
 
   // Holds the body where it is, as friction on a support would, with at most this force and torque about each
   // axis; release() lets it go.

@@ -59,6 +59,7 @@ class PinchSearch {
       if (i != thumb && facing(regions_[i], regions_[thumb])) opposite.push_back(i);
     }
     for (std::size_t i = 0; i < opposite.size(); ++i) {
+      place(opposite[i], opposite[i], thumb, found);
       for (std::size_t j = i + 1; j < opposite.size(); ++j) {
         place(opposite[i], opposite[j], thumb, found);
         place(opposite[j], opposite[i], thumb, found);

@@ -224,6 +224,26 @@ TEST(GraspPlanner, LinesAndPlanesAreAnswered) {
   }
 }
 
+// Two jaws by virtual fingers: F1 and F2 on the one, the thumb on the other, one opening of the jaws.
+TEST(GraspPlanner, AParallelGripperPlansPinchesItCanClose) {
+  const HandDescription hand = readHandDescription(BOXGRASP_SOURCE_DIR "/deploy/hands/parallel_gripper.toml");
+  for (const char* object : {"mug", "hammer"}) {
+    const PlanResult result = GraspPlanner(hand, test::linearModel(), {}).plan(requestFor(cloudOf(object)));
+    ASSERT_EQ(result.outcome, Outcome::grasps) << object << ": " << result.message;
+    for (const Grasp& grasp : result.grasps) {
+      const auto& joints = grasp.joints.inner;
+      EXPECT_EQ(joints[kF1], joints[kF2]);
+      EXPECT_EQ(joints[kF1], joints[kThumb]);
+      EXPECT_LT(grasp.pregrasp.inner[kF1], joints[kF1]);
+      const double opening = 2 * (hand.base_radius - hand.slide_per_rad * joints[kF1]);
+      const Vector3d jaw = 0.5 * (grasp.contacts[kF1].p_C + grasp.contacts[kF2].p_C);
+      EXPECT_NEAR((jaw - grasp.contacts[kThumb].p_C).dot(grasp.X_CP.linear().col(1)), opening, 0.006);
+      EXPECT_TRUE(
+          testClearance(hand, grasp.X_CP, grasp.joints, PointGrid(result.objects[0].cloud_C, 0.01)).pregrasp);
+    }
+  }
+}
+
 TEST(GraspPlanner, MillimetresMistakenForMetresAreRefusedWithTheRemedy) {
   PointCloud cloud = cloudOf("mug");
   for (auto* axis : {&cloud.x, &cloud.y, &cloud.z}) {

@@ -60,5 +60,42 @@ TEST(DrivenHand, ClutchLetsTheOuterLinkGoOnAlone) {
   EXPECT_NEAR(driven.joints().inner[kF1], hand.inner_max, 0.01) << "the other fingers go on";
 }
 
+HandDescription gripper() {
+  return readHandDescription(BOXGRASP_SOURCE_DIR "/deploy/hands/parallel_gripper.toml");
+}
+
+// Both jaws keep the same distance from the middle, and bodies are where the kinematics say.
+TEST(DrivenHand, JawsFollowTheKinematics) {
+  const HandDescription hand = gripper();
+  PhysicsWorld world(0.002);
+  DrivenHand driven(hand, {0.0, {0.2, 0.2, 0.2}}, Pose::Identity(), {}, world);
+  for (int i = 0; i < 200; ++i) {
+    driven.drive();
+    world.step(driven.selfContacts());
+  }
+  const HandJoints joints = driven.joints();
+  EXPECT_NEAR(joints.inner[kF1], 0.2 + 0.4 * DriveOptions{}.closing_rate_rad_s, 0.02);
+  EXPECT_NEAR(joints.inner[kThumb], joints.inner[kF1], 0.02);
+  const HandGeometry expected = forwardKinematics(hand, joints);
+  for (std::size_t i = 1; i < driven.parts().size(); ++i) {
+    const auto& [part, body] = driven.parts()[i];
+    EXPECT_EQ(part.name, expected.links[i - 1].name);
+    EXPECT_LT((world.pose(body) * part.centers_B.back() - expected.links[i - 1].b).norm(), 3e-4) << part.name;
+  }
+}
+
+// An empty gripper closes until its pads meet.
+TEST(DrivenHand, EmptyJawsCloseAndStall) {
+  const HandDescription hand = gripper();
+  PhysicsWorld world(0.002);
+  DrivenHand driven(hand, {0.0, {0.0, 0.0, 0.0}}, Pose::Identity(), {}, world);
+  for (int i = 0; i < 1500 && !driven.stalled(); ++i) {
+    driven.drive();
+    world.step(driven.selfContacts());
+  }
+  EXPECT_TRUE(driven.stalled());
+  EXPECT_NEAR(driven.joints().inner[kThumb], hand.inner_max, 0.1);
+}
+
 }  // namespace
 }  // namespace boxgrasp

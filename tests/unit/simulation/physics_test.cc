@@ -182,7 +182,7 @@ TEST(Physics, HingeStopsAtItsLimitAndYieldsToMoreTorqueThanItsMotorHas) {
   PhysicsWorld world(0.002);
   const BodyId base = world.addKinematicBody(Pose::Identity());
   const BodyId arm = world.addBody(kMass, kInertia, makePose(Matrix3d::Identity(), Vector3d(0.1, 0, 0)));
-  const HingeId hinge = world.addHinge(base, arm, Vector3d::Zero(), Vector3d::UnitY(), -1.0, 0.5);
+  const JointId hinge = world.addHinge(base, arm, Vector3d::Zero(), Vector3d::UnitY(), -1.0, 0.5);
   world.drive(hinge, 2.0, 1.0);
   for (int i = 0; i < 500; ++i) world.step({});
   EXPECT_NEAR(world.angle(hinge), 0.5, 1e-3);
@@ -192,6 +192,25 @@ TEST(Physics, HingeStopsAtItsLimitAndYieldsToMoreTorqueThanItsMotorHas) {
     world.step({});
   }
   EXPECT_LT(world.angle(hinge), 0.0) << "a motor of 0.1 N m resisted 0.15";
+}
+
+TEST(Physics, SliderMovesAlongItsAxisStopsAtItsLimitAndYieldsToMoreForceThanItsMotorHas) {
+  PhysicsWorld world(0.002);
+  const BodyId base = world.addKinematicBody(Pose::Identity());
+  const BodyId jaw = world.addBody(kMass, kInertia, makePose(Matrix3d::Identity(), Vector3d(0.1, 0, 0)));
+  const JointId slider = world.addSlider(base, jaw, -Vector3d::UnitX(), -0.01, 0.05);
+  world.drive(slider, 0.1, 5.0);
+  for (int i = 0; i < 100; ++i) world.step({});
+  EXPECT_NEAR(world.place(slider), 0.02, 1e-3);
+  EXPECT_NEAR(world.rate(slider), 0.1, 1e-3);
+  EXPECT_NEAR(world.pose(jaw).translation().x(), 0.1 - world.place(slider), 1e-4);
+  for (int i = 0; i < 400; ++i) world.step({});
+  EXPECT_NEAR(world.place(slider), 0.05, 1e-3);
+  for (int i = 0; i < 100; ++i) {
+    world.push(jaw, Vector3d(6.0, 0, 0));
+    world.step({});
+  }
+  EXPECT_LT(world.place(slider), 0.0) << "a motor of 5 N resisted 6";
 }
 
 }  // namespace

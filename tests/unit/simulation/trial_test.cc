@@ -353,5 +353,20 @@ TEST(Trial, RefusesBadOptionsAndInputByName) {
   EXPECT_THAT(refusal(weightless, {}), HasSubstr("gravity"));
 }
 
+// Off its middle too: the jaws bring the block there, and press on it with their force from both sides.
+TEST(Trial, AParallelGripperHoldsABlockWithItsForce) {
+  const HandDescription hand = readHandDescription(BOXGRASP_SOURCE_DIR "/deploy/hands/parallel_gripper.toml");
+  const SimulatedObject bar = makeSimulatedObject(boxMesh({0.10, 0.04, 0.06}));
+  for (const double off_m : {0.0, 0.006}) {
+    const TrialResult result = runTrial(hand, bar, fromAbove(0.06, 0.0, off_m, 0.1));
+    EXPECT_EQ(result.outcome, TrialOutcome::held) << result.report;
+    EXPECT_NEAR(result.joints.inner[kF1], (hand.base_radius - 0.02) / hand.slide_per_rad, 0.1);
+    EXPECT_NEAR(pressedBy(result, kF1) + pressedBy(result, kF2), hand.max_tip_force, 2.0);
+    EXPECT_NEAR(pressedBy(result, kThumb), hand.max_tip_force, 2.0);
+    EXPECT_LT(sumOfForces(result).norm(), 0.5);
+    EXPECT_TRUE(result.quality.force_closure);
+  }
+}
+
 }  // namespace
 }  // namespace boxgrasp

@@ -86,6 +86,15 @@ TEST(Pinches, KeepTheMarginFromTheEndsOfASideButNotFromItsPieces) {
   }
 }
 
+TEST(Pinches, BothFingersMayPressOnOneSideThatIsLongEnough) {
+  constexpr double kNarrow_m = 0.012;
+  for (const double length : {0.033, 0.037}) {  // 12 mm and two margins of 11.5 mm: 35 mm
+    const auto pinches = findPinches(barSides(0.02, 1, length), flatImage(), kNarrow_m);
+    EXPECT_EQ(pinches.empty(), length < 0.035) << "length " << length;
+    for (const Triplet& pinch : pinches) EXPECT_EQ(pinch.regions[0], pinch.regions[1]);
+  }
+}
+
 TEST(Pinches, FingersPushAgainstTheThumbWithinTheirCones) {
   for (const double lean : {-0.5, -0.3, 0.0, 0.3, 0.5}) {  // the cone's half angle is 0.38 rad
     auto sides = barSides(0.04, 2, 0.046);
