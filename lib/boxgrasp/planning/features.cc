@@ -79,9 +79,9 @@ VectorXd places(const VectorXd& values) {
   VectorXd result = VectorXd::Constant(n, 0.5);
   if (n < 2) return result;
   for (Index i = 0; i < n; ++i) {
-    const auto equal = std::ranges::equal_range(sorted, values[i]);
-    const auto below = static_cast<double>(equal.begin() - sorted.begin());
-    result[i] = (below + 0.5 * static_cast<double>(equal.size() - 1)) / static_cast<double>(n - 1);
+    const auto [first, end] = std::equal_range(sorted.begin(), sorted.end(), values[i]);
+    const auto below = static_cast<double>(first - sorted.begin());
+    result[i] = (below + 0.5 * static_cast<double>(end - first - 1)) / static_cast<double>(n - 1);
   }
   return result;
 }
