@@ -32,7 +32,7 @@ constexpr std::chrono::milliseconds kStartPause{
 constexpr std::chrono::seconds kWatchPause{1};
 constexpr std::chrono::seconds kOpenPatience{10};
 constexpr std::size_t kMaxProblemBytes = 4096;
-constexpr std::size_t kKeptBytes = 16 << 20;  // of memory, from one message to the next
+constexpr std::size_t kKeptBytes = 4 << 20;  // of memory, from one message to the next
 
 std::int64_t residentBytes(pid_t process) {
   std::ifstream statm(fmt::format("/proc/{}/statm", process));
