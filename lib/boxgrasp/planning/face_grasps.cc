@@ -111,7 +111,7 @@ bool touchesSurface(const FaceWork& work, const Face& face, Grasp& grasp, Tally&
 }
 
 bool holdsByForce(const FaceWork& work, const Grasp& grasp, Tally& tally) {
-  if (!work.options.require_force_closure) return true;
+  if (work.options.force_closure == ForceClosureUse::ignore) return true;
   const StageTimer timer(tally, StageId::force_closure);
   const OrientedBox& root = work.object.tree.nodes.front().box;
   WrenchOptions wrench;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "boxgrasp/base/error.h"
@@ -55,6 +56,17 @@ PointCloud background(const PointCloud& cloud_C, const Scene& scene) {
   }
   return select(cloud_C, rest);
 }
+
+// What was found on the faces of an object, face by face.
+struct SearchedFaces {
+  explicit SearchedFaces(std::size_t faces) : grasps(faces), tallies(faces), traces(faces) {}
+  bool found() const {
+    return std::any_of(grasps.begin(), grasps.end(), [](const auto& on_face) { return !on_face.empty(); });
+  }
+  std::vector<std::vector<Grasp>> grasps;
+  std::vector<Tally> tallies;
+  std::vector<FaceTrace> traces;
+};
 
 // One plan, from request to result. Each method is a stage of the paper.
 class HypothesisSearch {
@@ -227,33 +239,51 @@ class HypothesisSearch {
   void graspObject(int index, const PointGrid& scene_grid_C) {
     const PlannedObject& object = result_.objects[index];
     const PointGrid object_grid_C(object.cloud_C, kObjectCell_m);
-    const FaceWork work{hand_,
-                        options_,
-                        object,
-                        index,
-                        object_grid_C,
-                        scene_grid_C,
-                        request_.viewpoint_C,
-                        robot_,
-                        surroundings_.gravity_C,
-                        stop_};
+    const auto workWith = [&](const PlannerOptions& options) -> FaceWork {
+      return {hand_,
+              options,
+              object,
+              index,
+              object_grid_C,
+              scene_grid_C,
+              request_.viewpoint_C,
+              robot_,
+              surroundings_.gravity_C,
+              stop_};
+    };
     std::vector<FaceDecision> decisions = facesOf(object, scene_grid_C);
     keepAllowedApproaches(decisions);
 
-    std::vector<std::vector<Grasp>> grasps(decisions.size());
-    std::vector<Tally> tallies(decisions.size());
-    std::vector<FaceTrace> traces(decisions.size());
-    parallelFor(decisions.size(), options_.threads, [&](std::size_t i) {
-      traces[i].object = index;
-      traces[i].decision = decisions[i];
-      if (decisions[i].graspable())
-        grasps[i] = graspsOnFace(work, decisions[i].face, tallies[i], trace_ ? &traces[i] : nullptr);
-    });
-    for (std::size_t i = 0; i < decisions.size(); ++i) {
-      tally_.add(tallies[i]);
-      std::move(grasps[i].begin(), grasps[i].end(), std::back_inserter(result_.grasps));
+    SearchedFaces searched = searchFaces(workWith(options_), decisions);
+    if (options_.force_closure == ForceClosureUse::prefer && !searched.found()) {
+      PlannerOptions without = options_;
+      without.force_closure = ForceClosureUse::ignore;
+      SearchedFaces again = searchFaces(workWith(without), decisions);
+      if (again.found()) {
+        note(fmt::format("object {}: no grasp's contacts are in force closure; these are without", index));
+        searched = std::move(again);
+      }
     }
-    if (trace_) std::move(traces.begin(), traces.end(), std::back_inserter(trace_->faces));
+    keep(std::move(searched));
+  }
+
+  SearchedFaces searchFaces(const FaceWork& work, const std::vector<FaceDecision>& decisions) const {
+    SearchedFaces searched(decisions.size());
+    parallelFor(decisions.size(), options_.threads, [&](std::size_t i) {
+      searched.traces[i].object = work.object_index;
+      searched.traces[i].decision = decisions[i];
+      if (decisions[i].graspable())
+        searched.grasps[i] = graspsOnFace(work, decisions[i].face, searched.tallies[i],
+                                          trace_ ? &searched.traces[i] : nullptr);
+    });
+    return searched;
+  }
+
+  void keep(SearchedFaces searched) {
+    for (const Tally& tally : searched.tallies) tally_.add(tally);
+    for (auto& grasps : searched.grasps)
+      std::move(grasps.begin(), grasps.end(), std::back_inserter(result_.grasps));
+    if (trace_) std::move(searched.traces.begin(), searched.traces.end(), std::back_inserter(trace_->faces));
   }
 
   const HandDescription& hand_;

@@ -20,6 +20,9 @@
 
 namespace boxgrasp {
 
+// require: grasps without it are dropped. ignore: the network alone decides.
+enum class ForceClosureUse { require, prefer, ignore };
+
 struct PlannerOptions {
   ValidationOptions validation;
   SceneOptions scene;
@@ -36,8 +39,9 @@ struct PlannerOptions {
   ClearanceOptions clearance;
   RobotOptions robot;
   DepthModel depth_model = DepthModel::exact;
-  bool require_force_closure =
-      true;  // drop grasps whose contacts are not in force closure; off: the network alone decides
+  // Force closure of a grasp's contacts, as far as the cloud tells their normals. `prefer`: only such grasps,
+  // unless an object has none; half of the others are held all the same.
+  ForceClosureUse force_closure = ForceClosureUse::prefer;
   double merge_distance_m = 0.010;  // grasps whose palms and contacts are all nearer than this ...
   double merge_angle_rad = 0.26;    // ... and whose palms turn less than this are one grasp; the best stays
   int threads = 0;                  // 0 = all cores; the result does not depend on it

@@ -144,7 +144,7 @@ void readStage(ConfigFile& file, const std::string& section, Options& options) {
 PlannerOptions readPlannerOptions(ConfigFile& file) {
   PlannerOptions options;
   auto& [validation, scene, clean, completion, decomposition, faces, image, contours, regions, triplets,
-         configurations, contacts, clearance, robot, depth_model, require_force_closure, merge_distance_m,
+         configurations, contacts, clearance, robot, depth_model, force_closure, merge_distance_m,
          merge_angle_rad, threads] = options;
   readStage(file, "validation", validation);
   readStage(file, "scene", scene);
@@ -161,7 +161,8 @@ PlannerOptions readPlannerOptions(ConfigFile& file) {
   readStage(file, "clearance", clearance);
   readStage(file, "robot", robot);
   Section planner(file, "planner");
-  planner("depth_model", depth_model, {"exact", "linear"})("require_force_closure", require_force_closure);
+  planner("depth_model", depth_model, {"exact", "linear"})("force_closure", force_closure,
+                                                           {"require", "prefer", "ignore"});
   planner("merge_distance_m", merge_distance_m)("merge_angle_rad", merge_angle_rad)("threads", threads);
   file.validate("planner", [&] { options.validate(); });
   return options;

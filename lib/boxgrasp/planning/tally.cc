@@ -25,7 +25,7 @@ constexpr std::array<StageText, kStageCount> kStages{{
      "the friction coefficient, configurations.depth_tolerance_m"},
     {"contacts", "configurations", "with contacts", "contacts.search_m, contacts.max_normal_tilt_rad"},
     {"force closure", "with contacts", "in force closure",
-     "the friction coefficient, require_force_closure = false"},
+     "the friction coefficient, planner.force_closure = \"ignore\""},
     {"clearance", "in force closure", "clear of collisions",
      "clearance.skin_m, clearance.approach_m, decomposition.gain_t"},
     {"reach", "clear of collisions", "in the robot's reach",

@@ -148,7 +148,7 @@ std::string labellingSettings(const HandDescription& hand, const LabellingOption
       "force_closure = {}\nstep_s = {}\nfriction = {}\nshift_m = {}\nturn_rad = {}\nfriction_share = {}\n"
       "mass_share = {}\n",
       code_version, hand.name, options.seed, options.points, options.limit, options.random,
-      static_cast<int>(options.last_stage), options.protocols, options.planner.require_force_closure,
+      static_cast<int>(options.last_stage), options.protocols, static_cast<int>(options.planner.force_closure),
       physics.step_s, physics.friction, options.perturbation.shift_m, options.perturbation.turn_rad,
       options.perturbation.friction_share, options.perturbation.mass_share);
 }

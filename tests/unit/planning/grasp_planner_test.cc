@@ -1,6 +1,7 @@
 // Laws of the whole planner on clouds of parametric objects.
 #include "boxgrasp/planning/grasp_planner.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -180,6 +181,35 @@ TEST(GraspPlanner, TheReportAccountsForEveryCandidate) {
   const auto fell = result.report.rejected.find("contacts not in force closure");
   EXPECT_EQ(fell == result.report.rejected.end() ? 0 : fell->second,
             stages["force closure"].in - stages["force closure"].out);
+}
+
+TEST(GraspPlanner, GraspsWithoutForceClosureAreTheLastResort) {
+  const auto planned = [](const PlanRequest& request, ForceClosureUse use) {
+    PlannerOptions options;
+    options.force_closure = use;
+    return GraspPlanner(barrettHand(), test::linearModel(), options).plan(request);
+  };
+  int kept = 0, rescued = 0;
+  for (const char* object : {"mug", "bunny", "horse", "squirrel"}) {
+    for (const double friction : {0.4, 0.12, 0.06}) {
+      SCOPED_TRACE(fmt::format("{}, friction {}", object, friction));
+      PlanRequest request = requestFor(cloudOf(object, 6000), 0);
+      request.friction = friction;
+      const PlanResult strict = planned(request, ForceClosureUse::require);
+      const PlanResult preferred = planned(request, ForceClosureUse::prefer);
+      const PlanResult free = planned(request, ForceClosureUse::ignore);
+      const PlanResult& expected = strict.grasps.empty() ? free : strict;
+      EXPECT_EQ(preferred.grasps.size(), expected.grasps.size());
+      kept += !strict.grasps.empty();
+      rescued += strict.grasps.empty() && !free.grasps.empty();
+      if (strict.grasps.empty() && !free.grasps.empty()) {
+        EXPECT_THAT(preferred.report.notes,
+                    testing::Contains(testing::HasSubstr("no grasp's contacts are in force closure")));
+      }
+    }
+  }
+  EXPECT_GT(kept, 0) << "no object had a grasp in force closure: nothing was tried";
+  EXPECT_GT(rescued, 0) << "no object lacked grasps in force closure: nothing was tried";
 }
 
 TEST(GraspPlanner, NoGraspNamesTheStageTheCountsAndTheKnob) {
