@@ -18,6 +18,7 @@
 #include "boxgrasp/training/sights.h"
 #include "interruption.h"
 #include "progress_bar.h"
+#include "tried_object.h"
 
 namespace boxgrasp {
 namespace {
@@ -74,8 +75,7 @@ Shard parseShard(const std::string& text) {
 }
 
 std::vector<ObjectSource> allObjects(const LabelCommand& command) {
-  if (command.objects == "builtin") return builtinObjects(command.scales);
-  if (command.objects == "paper") return paperObjects(command.scales);
+  if (const auto parametric = parametricSet(command.objects, command.scales)) return *parametric;
   return meshFolder(command.objects, {command.scales, command.unit_m, command.target_size_m});
 }
 

@@ -6,6 +6,7 @@
 #include "boxgrasp/base/error.h"
 #include "boxgrasp/base/exit_code.h"
 #include "boxgrasp/base/stop_token.h"
+#include "draw_command.h"
 #include "evaluate_command.h"
 #include "keygen_command.h"
 #include "label_command.h"
@@ -14,6 +15,7 @@
 #include "publish_command.h"
 #include "quality_command.h"
 #include "rates_command.h"
+#include "reproduce_command.h"
 #include "sample_command.h"
 #include "show_command.h"
 #include "spread_command.h"
@@ -213,6 +215,50 @@ void addRates(CLI::App& app, RatesCommand& command) {
   app.add_flag("--json", command.json, "print the table as JSON");
 }
 
+void addDraw(CLI::App& app, DrawCommand& command) {
+  app.add_option("object", command.object, "one of the objects");
+  app.add_option("--objects", command.objects, "'builtin', 'paper', names, or a folder of meshes")
+      ->capture_default_str();
+  app.add_option("--scene", command.scene, "a cloud of a whole scene, instead of an object");
+  app.add_option("--store", command.store,
+                 "labels: rank by networks learnt from them without the object; else the built-in model");
+  app.add_option("--meshes", command.meshes, "the store's objects: 'builtin', 'paper', or a folder of meshes")
+      ->capture_default_str();
+  app.add_option("--out", command.out, "the picture to write, PNG")->required();
+  app.add_option("--grasps", command.grasps, "grasps that are drawn, the best first")->capture_default_str();
+  app.add_option("--threads", command.threads, "0 = all cores; the result does not depend on it")
+      ->capture_default_str();
+  app.add_flag("--json", command.json, "print what was planned as JSON");
+}
+
+void addConstellations(CLI::App& app, ConstellationsCommand& command) {
+  app.add_option("object", command.object, "one of the objects")->required();
+  app.add_option("--objects", command.objects, "'builtin', 'paper', names, or a folder of meshes")
+      ->capture_default_str();
+  app.add_option("--out", command.out, "the picture to write, PNG")->required();
+  app.add_option("--gains", command.gains, "values of t")->delimiter(',')->capture_default_str();
+  app.add_option("--points", command.points, "points sampled on the object")->capture_default_str();
+  app.add_option("--seed", command.seed, "of these points")->capture_default_str();
+  app.add_option("--threads", command.threads, "0 = all cores; the result does not depend on it")
+      ->capture_default_str();
+  app.add_flag("--json", command.json, "print boxes and volumes over t as JSON");
+}
+
+void addReproduce(CLI::App& app, ReproduceCommand& command) {
+  app.add_option("--out", command.out,
+                 "folder for the report and all numbers; that of an earlier run goes on")
+      ->required();
+  app.add_option("--objects", command.objects,
+                 "'paper' (its Table I), 'builtin', names, or a folder of meshes in metres")
+      ->capture_default_str();
+  app.add_option("--scenes", command.scenes, "folder of clouds of whole scenes (PCD) to draw grasps in");
+  app.add_option("--scanned", command.scanned, "folder of scanned objects' meshes, in metres, to be tried");
+  app.add_flag("--quick", command.quick, "three objects and little of everything, to see that all works");
+  app.add_option("--seeds", command.seeds, "repetitions with other points and noise")->capture_default_str();
+  app.add_option("--threads", command.threads, "0 = all cores; the numbers do not depend on it")
+      ->capture_default_str();
+}
+
 void addLabel(CLI::App& app, LabelCommand& command) {
   app.add_option("--objects", command.objects, "'builtin', 'paper' (its Table I), or a folder of meshes")
       ->capture_default_str();
@@ -329,6 +375,17 @@ int main(int argc, char** argv) {
   ObjectsCommand objects;
   CLI::App* objects_app = app.add_subcommand("objects", "list, check, fetch and view objects");
   const ObjectsApps objects_apps = addObjects(*objects_app, objects);
+  DrawCommand draw;
+  CLI::App* draw_app = app.add_subcommand("draw", "draw the best grasps of an object or in a scene");
+  addDraw(*draw_app, draw);
+  ConstellationsCommand constellations;
+  CLI::App* constellations_app =
+      app.add_subcommand("constellations", "draw an object's boxes for several t and splits (Fig. 3)");
+  addConstellations(*constellations_app, constellations);
+  ReproduceCommand reproduce;
+  CLI::App* reproduce_app = app.add_subcommand(
+      "reproduce", "run the paper's whole evaluation, and write a report beside its numbers");
+  addReproduce(*reproduce_app, reproduce);
   LabelCommand label;
   CLI::App* label_app =
       app.add_subcommand("label", "try planned grasps in the simulator and keep the results");
@@ -366,6 +423,9 @@ int main(int argc, char** argv) {
     if (show_app->parsed()) runShow(show);
     if (spread_app->parsed()) runSpread(spread);
     if (rates_app->parsed()) runRates(rates);
+    if (draw_app->parsed()) runDraw(draw);
+    if (constellations_app->parsed()) runConstellations(constellations);
+    if (reproduce_app->parsed()) return runReproduce(reproduce);
     if (label_app->parsed()) return runLabel(label);
     if (merge_app->parsed()) runMerge(merge);
     if (summary_app->parsed()) runSummary(summary);

@@ -14,6 +14,7 @@
 #include "boxgrasp/objects/depth_camera.h"
 #include "boxgrasp/objects/object_set.h"
 #include "boxgrasp/rendering/canvas.h"
+#include "tried_object.h"
 
 namespace boxgrasp {
 namespace {
@@ -21,8 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 std::vector<ObjectSource> sourcesOf(const ObjectsCommand& command) {
-  if (command.objects == "builtin") return builtinObjects(command.scales);
-  if (command.objects == "paper") return paperObjects(command.scales);
+  if (const auto parametric = parametricSet(command.objects, command.scales)) return *parametric;
   return meshFolder(command.objects, {command.scales, command.unit_m, command.target_size_m});
 }
 

@@ -162,7 +162,8 @@ void runSpread(const SpreadCommand& command) {
   closeAll(clouds, object, planning.hand, command.threads, stop);
   writeSvg(plotOf(object, clouds), command.out);
   const std::vector<std::vector<double>> s = successesOf(clouds);
-  json report{{"object", object.name}, {"scale", object.scale}, {"plot", command.out.string()}};
+  json report{
+      {"schema", 1}, {"object", object.name}, {"scale", object.scale}, {"plot", command.out.string()}};
   for (std::size_t i = 0; i < clouds.size(); ++i)
     report["sources"].push_back(summaryOf(clouds[i], s[i], clouds.front(), s.front()));
   if (command.json) {

@@ -4,6 +4,7 @@
 #include <fmt/os.h>
 
 #include <algorithm>
+#include <cctype>
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -15,6 +16,7 @@
 #include "boxgrasp/rendering/svg_plot.h"
 #include "boxgrasp/training/stability.h"
 #include "progress_bar.h"
+#include "tried_object.h"
 
 namespace boxgrasp {
 namespace {
@@ -39,11 +41,6 @@ const std::map<std::string, std::array<double, 2>> kPaper{
     {"squirrel", {59.42, 75.00}}, {"toy_dog", {27.54, 28.33}}};
 constexpr std::array<double, 2> kPaperMeans{66.3, 72.9};
 
-// The paper's objects; a teapot stands in for Homer, of whom there is no parametric likeness.
-constexpr std::array kBuiltin{"bunny", "car",    "cup",   "duck",     "goblet", "goose",
-                              "heart", "teapot", "horse", "human",    "mug",    "paper_cup",
-                              "pen",   "pillow", "radio", "squirrel", "toy_dog"};
-
 // What is measured, given by name and loaded when its turn comes.
 struct Source {
   std::string name;
@@ -58,18 +55,28 @@ struct Source {
   }
 };
 
-std::vector<Source> sourcesOf(const std::string& objects) {
+bool holdsPoints(const fs::path& file) {
+  constexpr std::array kEndings{".off", ".obj", ".stl", ".ply", ".pcd", ".xyz"};
+  std::string ending = file.extension();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
+}
+
+// The 17 of the paper are 'builtin' here; a teapot stands in for Homer, of whom there is no parametric
+// likeness.
+std::vector<Source> sourcesIn(const std::string& objects) {
   std::vector<Source> sources;
-  if (objects == "builtin") {
-    for (const char* name : kBuiltin) sources.push_back({name, std::nullopt});
+  if (const auto parametric = parametricSet(objects == "builtin" ? "paper" : objects, {1.0})) {
+    for (const ObjectSource& source : *parametric) sources.push_back({source.name, std::nullopt});
     return sources;
   }
   if (!fs::is_directory(objects))
     throw InputError(fmt::format("--objects is '{}', but must be 'builtin' or a folder of meshes", objects));
-  for (const fs::directory_entry& entry : fs::directory_iterator(objects)) {
-    if (entry.is_regular_file()) sources.push_back({entry.path().stem().string(), entry.path()});
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(objects)) {
+    if (entry.is_regular_file() && holdsPoints(entry.path()))
+      sources.push_back({entry.path().stem().string(), entry.path()});
   }
-  if (sources.empty()) throw InputError(fmt::format("the folder '{}' has no files", objects));
+  if (sources.empty()) throw InputError(fmt::format("the folder '{}' has no meshes or clouds", objects));
   std::sort(sources.begin(), sources.end(), [](const Source& a, const Source& b) { return a.name < b.name; });
   return sources;
 }
@@ -237,19 +244,19 @@ void printTable(const std::vector<Row>& rows, const StabilityCommand& command) {
 }
 
 json asJson(const std::vector<Row>& rows) {
-  json result{{"rows", json::array()}, {"means", json::object()}};
+  json result{{"schema", 1}, {"rows", json::array()}, {"means", json::object()}};
   for (const Row& row : rows) {
-    const json paper = row.paper() < 0 ? json() : json(row.paper());
+    const auto share = [](double percent) { return percent < 0 ? json() : json(percent); };
     result["rows"].push_back({{"object", row.object},
                               {"split", row.rule},
                               {"boxes", row.boxes},
                               {"boxes_mean", row.boxes_mean},
-                              {"similar_percent", row.similar},
-                              {"noise_percent", row.noise},
-                              {"removal_percent", row.removal},
-                              {"outliers_percent", row.outliers},
-                              {"fading_percent", row.fading},
-                              {"paper_percent", paper}});
+                              {"similar_percent", share(row.similar)},
+                              {"noise_percent", share(row.noise)},
+                              {"removal_percent", share(row.removal)},
+                              {"outliers_percent", share(row.outliers)},
+                              {"fading_percent", share(row.fading)},
+                              {"paper_percent", share(row.paper())}});
   }
   for (const Rule& rule : kRules) {
     const Means means = meansOf(rows, rule.name);
@@ -317,7 +324,7 @@ void writeAllCurves(const StabilityCommand& command, const std::vector<Source>& 
 void runStability(const StabilityCommand& command) {
   requireOption(command.points >= 100, "--points", command.points, "at least 100");
   requireOption(command.threads >= 0, "--threads", command.threads, "at least 0");
-  const std::vector<Source> sources = sourcesOf(command.objects);
+  const std::vector<Source> sources = sourcesIn(command.objects);
   const std::vector<Row> rows = measureAll(command, sources);
   if (command.curves) writeAllCurves(command, sources);
   if (command.json)

@@ -14,6 +14,7 @@
 #include "boxgrasp/training/analytic_labels.h"
 #include "boxgrasp/training/labelling.h"
 #include "progress_bar.h"
+#include "tried_object.h"
 
 namespace boxgrasp {
 namespace {
@@ -69,8 +70,7 @@ std::vector<ObjectSource> sourcesFor(const StudyCommand& command, const std::vec
   for (const ModelRecord& model : models) scales.push_back(model.key.scale);
   std::ranges::sort(scales);
   scales.erase(std::ranges::unique(scales).begin(), scales.end());
-  if (command.meshes == "builtin") return builtinObjects(scales);
-  if (command.meshes == "paper") return paperObjects(scales);
+  if (const auto parametric = parametricSet(command.meshes, scales)) return *parametric;
   return meshFolder(command.meshes, {.scales = scales});
 }
 

@@ -48,7 +48,8 @@ nlohmann::json studyJson(const StudyData& data, const StudyResult& result) {
   nlohmann::json objects = nlohmann::json::array(), measures = nlohmann::json::array();
   for (const ObjectVerdict& object : result.network.objects) objects.push_back(jsonOf(object));
   for (const RankingVerdict& measure : result.measures) measures.push_back(jsonOf(measure));
-  nlohmann::json json{{"labels", data.labels},
+  nlohmann::json json{{"schema", 1},
+                      {"labels", data.labels},
                       {"target", describe(data.target)},
                       {"features", data.features},
                       {"samples", data.samples.samples.targets.size()},

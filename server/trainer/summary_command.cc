@@ -116,7 +116,8 @@ nlohmann::json jsonOf(const Row& row) {
 void printJson(const std::vector<Row>& rows, const Totals& totals) {
   nlohmann::json models = nlohmann::json::array();
   for (const Row& row : rows) models.push_back(jsonOf(row));
-  fmt::print("{}\n", nlohmann::json{{"models", models},
+  fmt::print("{}\n", nlohmann::json{{"schema", 1},
+                                    {"models", models},
                                     {"totals",
                                      {{"models", totals.models},
                                       {"projections", totals.projections},

@@ -8,6 +8,7 @@
 
 #include "boxgrasp/base/error.h"
 #include "boxgrasp/base/random.h"
+#include "html_text.h"
 #include "study_plots.h"
 
 namespace boxgrasp {
@@ -21,21 +22,6 @@ constexpr std::string_view kStyle =
     "td{overflow-wrap:anywhere}pre{overflow-x:auto;background:#f4f4f4;padding:1em}svg{max-width:100%}";
 
 constexpr std::size_t kMostImportances = 20;  // in the plot: more names cannot be read
-
-std::string escaped(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
-    if (c == '&')
-      result += "&amp;";
-    else if (c == '<')
-      result += "&lt;";
-    else if (c == '>')
-      result += "&gt;";
-    else
-      result += c;
-  }
-  return result;
-}
 
 // --- importance
 

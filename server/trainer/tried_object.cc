@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <filesystem>
 #include <mutex>
+#include <sstream>
 
 #include "boxgrasp/base/parallel.h"
+#include "boxgrasp/objects/parametric.h"
 #include "boxgrasp/planning/default_model.h"
 #include "boxgrasp/planning/grasp_planner.h"
 #include "boxgrasp/planning/hypotheses.h"
@@ -28,9 +30,23 @@ ObjectSource sourceOf(const std::string& object, double scale) {
   return source;
 }
 
-std::vector<ObjectSource> sourcesOf(const std::string& set, const std::vector<double>& scales) {
+std::optional<std::vector<ObjectSource>> parametricSet(const std::string& set,
+                                                       const std::vector<double>& scales) {
   if (set == "builtin") return builtinObjects(scales);
   if (set == "paper") return paperObjects(scales);
+  const std::vector<std::string> known = parametricNames();
+  std::vector<ObjectSource> sources;
+  std::istringstream names(set);
+  for (std::string name; std::getline(names, name, ',');) {
+    if (std::find(known.begin(), known.end(), name) == known.end()) return std::nullopt;
+    for (const double scale : scales) sources.push_back({name, scale, {}});
+  }
+  if (sources.empty()) return std::nullopt;
+  return sources;
+}
+
+std::vector<ObjectSource> sourcesOf(const std::string& set, const std::vector<double>& scales) {
+  if (const auto parametric = parametricSet(set, scales)) return *parametric;
   return meshFolder(set, {.scales = scales});
 }
 

@@ -28,7 +28,12 @@ TriedObject triedObject(const ObjectSource& source, const StopToken& stop);
 // `object` is a mesh file in metres, or else the name of a parametric object.
 ObjectSource sourceOf(const std::string& object, double scale);
 
-// "builtin": all parametric objects; "paper": its Table I; else the meshes in that folder, in metres.
+// The sets that need no files, each object in every scale: "builtin", all parametric objects; "paper", its
+// Table I; or names of parametric objects, separated by commas. None for anything else.
+std::optional<std::vector<ObjectSource>> parametricSet(const std::string& set,
+                                                       const std::vector<double>& scales);
+
+// A parametric set, or else the meshes in that folder, in metres.
 std::vector<ObjectSource> sourcesOf(const std::string& set, const std::vector<double>& scales);
 
 // How grasps are planned: hand, options and the model that ranks.

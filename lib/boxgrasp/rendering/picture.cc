@@ -29,19 +29,12 @@ constexpr Colour kSceneColour{205, 205, 205}, kContactColour{220, 0, 0}, kInk{20
 constexpr std::array<std::array<int, 2>, 12> kBoxEdges{
     {{0, 1}, {0, 2}, {0, 4}, {1, 3}, {1, 5}, {2, 3}, {2, 6}, {3, 7}, {4, 5}, {4, 6}, {5, 7}, {6, 7}}};
 
-Colour boxColour(std::size_t i) { return kBoxColours[i % kBoxColours.size()]; }
-
 Vector3d upOf(const PlanTrace& trace) { return trace.table ? trace.table->normal_C : Vector3d::UnitZ(); }
 
 // Which way a viewer looks who stands in front, a little to the right and above.
 Vector3d defaultView(const Vector3d& up_C) {
   const Vector3d side = up_C.unitOrthogonal();
   return (-0.55 * up_C - 0.75 * side - 0.45 * up_C.cross(side)).normalized();
-}
-
-void drawBox(Canvas& canvas, const OrientedBox& box, Colour colour) {
-  const auto corners = box.corners();
-  for (const auto& [a, b] : kBoxEdges) canvas.segment(corners[a], corners[b], colour, 2);
 }
 
 void drawObject(Canvas& canvas, const PlannedObject& object) {
@@ -184,6 +177,13 @@ void drawTriplets(cv::Mat3b& drawing, const FaceView& view, const std::vector<Tr
 }
 
 }  // namespace
+
+Colour boxColour(std::size_t i) { return kBoxColours[i % kBoxColours.size()]; }
+
+void drawBox(Canvas& canvas, const OrientedBox& box, Colour colour) {
+  const auto corners = box.corners();
+  for (const auto& [a, b] : kBoxEdges) canvas.segment(corners[a], corners[b], colour, 2);
+}
 
 void PictureOptions::validate() const {
   requireOption(panel_px >= 64 && panel_px <= 4096, "panel_px", panel_px, "in [64, 4096]");

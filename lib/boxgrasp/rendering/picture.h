@@ -6,8 +6,13 @@
 #include <opencv2/core.hpp>
 
 #include "boxgrasp/planning/plan.h"
+#include "boxgrasp/rendering/canvas.h"
 
 namespace boxgrasp {
+
+// The colour of the i-th leaf box in all pictures, and the box's edges.
+Colour boxColour(std::size_t i);
+void drawBox(Canvas& canvas, const OrientedBox& box, Colour colour);
 
 struct PictureOptions {
   int panel_px = 440;   // side of one panel
