@@ -64,7 +64,8 @@ int runFeedback(const FeedbackCommand& command, const std::string& lcm_url, bool
   const outcome_reply_t reply = replyTo(messageOf(command), lcm_url);
   const bool known = reply.receipt >= 0 && reply.receipt < static_cast<int>(kConclusions.size());
   const Conclusion& conclusion = kConclusions[known ? reply.receipt : outcome_reply_t::NOT_STORED];
-  if (json) fmt::print("{}\n", jsonText({{"receipt", conclusion.name}, {"message", reply.message}}));
+  if (json)
+    fmt::print("{}\n", jsonText({{"schema", 1}, {"receipt", conclusion.name}, {"message", reply.message}}));
   if (conclusion.code != kDone)
     fmt::print(stderr, "boxgrasp: {}\n", reply.message);
   else if (!json)

@@ -91,7 +91,7 @@ Json comparisonJson(const model_info_t& a, const model_info_t& b) {
   Json metrics = Json::object();
   for (const auto& [name, values] : metricsOfBoth(a, b))
     metrics[name] = {{"a", values.first}, {"b", values.second}, {"difference", values.second - values.first}};
-  return {{"a", modelJson(a)}, {"b", modelJson(b)}, {"metrics", metrics}};
+  return {{"schema", 1}, {"a", modelJson(a)}, {"b", modelJson(b)}, {"metrics", metrics}};
 }
 
 std::string comparisonText(const model_info_t& a, const model_info_t& b) {
@@ -117,7 +117,7 @@ int runModelsList(const std::string& lcm_url, bool json) {
   if (json) {
     Json models = Json::array();
     for (const model_info_t& model : reply.models) models.push_back(modelJson(model));
-    fmt::print("{}\n", jsonText({{"models", models}}));
+    fmt::print("{}\n", jsonText({{"schema", 1}, {"models", models}}));
     return kDone;
   }
   fmt::print("  {:<8}  {:<8}  {:<20}  {:<12}  {}\n", "version", "state", "created", "signed by", "name");
@@ -128,7 +128,13 @@ int runModelsList(const std::string& lcm_url, bool json) {
 int runModelsShow(const ModelsCommand& command, const std::string& lcm_url, bool json) {
   const models_reply_t reply = listed(lcm_url);
   const model_info_t& model = find(reply, command.version);
-  fmt::print("{}", json ? jsonText(modelJson(model)) + "\n" : modelText(model));
+  if (json) {
+    Json shown{{"schema", 1}};
+    shown.update(modelJson(model));
+    fmt::print("{}\n", jsonText(shown));
+  } else {
+    fmt::print("{}", modelText(model));
+  }
   return kDone;
 }
 
@@ -144,7 +150,7 @@ int runModelsOrder(const ModelsCommand& command, int action, const std::string& 
   const models_reply_t reply =
       askModels({.lcm_url = lcm_url}, static_cast<std::int8_t>(action), command.version, &key);
   const bool done = reply.done != 0;
-  if (json) fmt::print("{}\n", jsonText({{"done", done}, {"message", reply.message}}));
+  if (json) fmt::print("{}\n", jsonText({{"schema", 1}, {"done", done}, {"message", reply.message}}));
   if (!done)
     fmt::print(stderr, "boxgrasp: {}\n", reply.message);
   else if (!json)

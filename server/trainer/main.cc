@@ -111,6 +111,7 @@ void addSample(CLI::App& app, SampleCommand& command) {
   app.add_option("--out", command.out, "the file to write: .pcd, .ply or .xyz");
   app.add_option("--points", command.points, "points on its surface")->capture_default_str();
   app.add_option("--scale", command.scale, "size relative to the natural one")->capture_default_str();
+  app.add_flag("--json", command.json, "print what was written, or the names, as JSON");
   app.add_option("--noise-m", command.noise_m, "standard deviation of the noise on every coordinate, metres")
       ->capture_default_str();
   app.add_option("--seed", command.seed, "seed of points and noise")->capture_default_str();

@@ -27,10 +27,11 @@ int runPublish(const PublishCommand& command) {
   const bool known = reply.outcome >= 0 && reply.outcome < static_cast<int>(kConclusions.size());
   const Conclusion& conclusion = kConclusions[known ? reply.outcome : model_reply_t::FAILED];
   if (command.json)
-    fmt::print("{}\n",
-               nlohmann::ordered_json{
-                   {"outcome", conclusion.name}, {"version", reply.version}, {"message", reply.message}}
-                   .dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+    fmt::print("{}\n", nlohmann::ordered_json{{"schema", 1},
+                                              {"outcome", conclusion.name},
+                                              {"version", reply.version},
+                                              {"message", reply.message}}
+                           .dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
   if (conclusion.code != kDone)
     fmt::print(stderr, "boxgrasp-trainer: {}: {}\n", conclusion.name, reply.message);
   else if (!command.json)

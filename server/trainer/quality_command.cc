@@ -211,7 +211,7 @@ void runQuality(const QualityCommand& command) {
       fmt::print("{:<32} {:>8} {:>12.6g} {:>12.6g} {:>13}\n", grasp.name, grasp.contacts.size(),
                  quality.epsilon, quality.volume, quality.force_closure ? "yes" : "no");
   }
-  if (command.json) fmt::print("{}\n", json{{"norm", command.norm}, {"cases", cases}}.dump(2));
+  if (command.json) fmt::print("{}\n", json{{"schema", 1}, {"norm", command.norm}, {"cases", cases}}.dump(2));
 }
 
 }  // namespace boxgrasp

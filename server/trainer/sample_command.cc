@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "boxgrasp/base/error.h"
 #include "boxgrasp/base/random.h"
 #include "boxgrasp/cloud/write_cloud.h"
@@ -17,11 +19,19 @@ void addNoise(PointCloud& cloud, double deviation_m, std::uint64_t seed) {
   }
 }
 
+void print(const nlohmann::ordered_json& json) {
+  fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+}
+
 }  // namespace
 
 void runSample(const SampleCommand& command) {
   if (command.list) {
-    for (const std::string& name : parametricNames()) fmt::print("{}\n", name);
+    const std::vector<std::string> names = parametricNames();
+    if (command.json)
+      print({{"schema", 1}, {"objects", names}});
+    else
+      fmt::print("{}\n", fmt::join(names, "\n"));
     return;
   }
   requireOption(command.points >= 1, "--points", command.points, "at least 1");
@@ -32,7 +42,14 @@ void runSample(const SampleCommand& command) {
       sampleSurface(parametricObject(command.object, command.scale), command.points, command.seed);
   addNoise(cloud, command.noise_m, command.seed + 1);
   writeCloud(cloud, command.out);
-  fmt::print("{} points on a {} written to {}\n", cloud.size(), command.object, command.out.string());
+  if (command.json)
+    print({{"schema", 1},
+           {"object", command.object},
+           {"points", cloud.size()},
+           {"file", command.out.string()},
+           {"seed", command.seed}});
+  else
+    fmt::print("{} points on a {} written to {}\n", cloud.size(), command.object, command.out.string());
 }
 
 }  // namespace boxgrasp

@@ -15,6 +15,7 @@ struct SampleCommand {
   double noise_m = 0.0005;  // standard deviation of Gaussian noise on every coordinate
   std::uint64_t seed = 1;
   bool list = false;  // only print the names of the objects
+  bool json = false;
 };
 
 // Writes a binary PCD file of points on the object's surface. Throws InputError.

@@ -82,10 +82,11 @@ Learnt learnAll(const StudyCommand& command, const StudyData& data, const StopTo
 
 void print(const TrainCommand& command, const Model& model, const StudyResult& result) {
   if (command.json) {
-    fmt::print(
-        "{}\n",
-        nlohmann::json{{"version", model.version}, {"file", command.out.string()}, {"metrics", model.metrics}}
-            .dump(2));
+    fmt::print("{}\n", nlohmann::json{{"schema", 1},
+                                      {"version", model.version},
+                                      {"file", command.out.string()},
+                                      {"metrics", model.metrics}}
+                           .dump(2));
     return;
   }
   fmt::print("{}model {} written to {}\n", verdictTable(result), model.version, command.out.string());

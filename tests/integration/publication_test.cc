@@ -99,6 +99,7 @@ class Publication : public testing::Test {
   }
   nlohmann::json listed() const {
     const nlohmann::json list = nlohmann::json::parse(models({"list", "--json"}).out);
+    EXPECT_EQ(list["schema"], 1);
     nlohmann::json by_version;
     for (const auto& entry : list["models"]) by_version[entry["version"].get<std::string>()] = entry;
     return by_version;

@@ -472,6 +472,7 @@ TEST_F(Service, StatusTellsHowItIs) {
   EXPECT_EQ(text.code, 0) << text.err;
   EXPECT_THAT(text.out, HasSubstr("0 of 2 workers busy"));
   const nlohmann::json status = nlohmann::json::parse(json.out);
+  EXPECT_EQ(status["schema"], 1);
   EXPECT_EQ(status["queue_capacity"], 16);
   EXPECT_EQ(status["hand"], "Barrett BH8");
   EXPECT_GT(status["receive_buffer_bytes"]["granted"].get<std::int64_t>(), 0);

@@ -30,7 +30,9 @@ class Quality : public ::testing::Test {
     options.push_back("--json");
     const Finished finished = quality(contacts.dump(), options);
     EXPECT_EQ(finished.code, kDone) << finished.err;
-    return json::parse(finished.out)["cases"];
+    const json report = json::parse(finished.out);
+    EXPECT_EQ(report["schema"], 1);
+    return report["cases"];
   }
   // That the program refuses the contacts, and says so.
   void expectRefused(const std::string& contacts, const ::testing::Matcher<std::string>& message) {
@@ -142,6 +144,20 @@ TEST(Show, RefusesGraspsThatAreNotThereByName) {
   EXPECT_THAT(refusal("mug@1.00/camera-1/planner/1"), HasSubstr("--store"));
 }
 
+TEST(Sample, SaysWhatItWrote) {
+  const TemporaryFolder folder;
+  const Finished sample =
+      trainer({"sample", "mug", "--points", "500", "--out", folder / "mug.pcd", "--json"});
+  ASSERT_EQ(sample.code, kDone) << sample.err;
+  const json report = json::parse(sample.out);
+  EXPECT_EQ(report["schema"], 1);
+  EXPECT_EQ(report["points"], 500);
+  EXPECT_TRUE(fs::exists(report["file"].get<std::string>()));
+  const json names = json::parse(trainer({"sample", "--list", "--json"}).out);
+  EXPECT_EQ(names["schema"], 1);
+  EXPECT_THAT(names["objects"], testing::Contains("mug"));
+}
+
 TEST(Spread, TellsWhereTheHypothesesStandTheSameOnAnyNumberOfThreads) {
   const TemporaryFolder folder;
   const auto spread = [&](const std::string& threads) {
@@ -153,7 +169,7 @@ TEST(Spread, TellsWhereTheHypothesesStandTheSameOnAnyNumberOfThreads) {
   };
   const std::string one = spread("1");
   EXPECT_EQ(one, spread("2"));
-  EXPECT_THAT(one, AllOf(HasSubstr("percentile_epsilon"), HasSubstr("</svg>")));
+  EXPECT_THAT(one, AllOf(HasSubstr("\"schema\": 1"), HasSubstr("percentile_epsilon"), HasSubstr("</svg>")));
 }
 
 TEST(Spread, CtrlCStopsItAndNothingIsWritten) {
@@ -245,6 +261,7 @@ TEST(Learning, RanksObjectsLeftOutAndSaysSoTheSameOnAnyNumberOfThreads) {
   };
   const json one = evaluate("1");
   EXPECT_EQ(one, evaluate("2"));
+  EXPECT_EQ(one["schema"], 1);
   EXPECT_EQ(one["objects"].size(), 3u);
   EXPECT_EQ(one["samples"], 36);
   EXPECT_NEAR(one["random"]["span_fraction"].get<double>(), 0.5, 0.1);
