@@ -8,6 +8,7 @@
 #include "boxgrasp/messaging/plan_conversion.h"
 #include "boxgrasp/models_request_t.hpp"
 #include "commands.h"
+#include "doctor_command.h"
 #include "export_command.h"
 #include "feedback_command.h"
 #include "hand_command.h"
@@ -171,6 +172,18 @@ int runModels(const ModelsApps& apps, const ModelsCommand& command, const PlanCo
   return runModelsList(output.lcm_url, output.json);
 }
 
+CLI::App* addDoctor(CLI::App& app, DoctorCommand& command, PlanCommand& output) {
+  CLI::App* sub = app.add_subcommand(
+      "doctor", "say what is wrong with network, server, model, keys and store, and how to mend it");
+  sub->add_option("--state-dir", command.state_dir, "the server's folder for models and outcomes")
+      ->capture_default_str();
+  sub->add_option("--trusted-keys", command.trusted_keys, "the server's folder of public keys")
+      ->capture_default_str();
+  sub->add_option("--model", command.model, "model file to look at; else the built-in one");
+  addOutputOptions(*sub, output.lcm_url, output.json);
+  return sub;
+}
+
 CLI::App* addFeedback(CLI::App& app, FeedbackCommand& command, PlanCommand& output) {
   CLI::App* sub = app.add_subcommand("feedback", "tell the server what became of a grasp");
   sub->add_option("request_id", command.request_id, "of the plan, as `boxgrasp plan` says it")->required();
@@ -254,6 +267,8 @@ int main(int argc, char** argv) {
       addPlanCommand(app, "explain", "print where grasp candidates were lost, and why", command);
   const CLI::App* show =
       addPlanCommand(app, "show", "draw the plan, made in this process, into --picture or --html", command);
+  DoctorCommand doctor_command;
+  const CLI::App* doctor = addDoctor(app, doctor_command, command);
   CLI::App* status = app.add_subcommand("status", "print how the server is");
   addOutputOptions(*status, command.lcm_url, command.json);
   ModelsCommand models_command;
@@ -289,6 +304,7 @@ int main(int argc, char** argv) {
     if (monitor->parsed()) return runMonitor(monitor_command);
     if (logs.record->parsed()) return runRecord(log_command);
     if (logs.replay->parsed()) return runReplay(log_command);
+    if (doctor->parsed()) return runDoctor(doctor_command, command.lcm_url, command.json);
     if (feedback->parsed()) return runFeedback(feedback_command, command.lcm_url, command.json);
     return runStatus(command.lcm_url, command.json);
   } catch (const InputError& error) {

@@ -13,31 +13,6 @@
 namespace boxgrasp {
 namespace {
 
-std::map<std::string, double> metricsOf(const model_info_t& model) {
-  std::map<std::string, double> metrics;
-  for (const metric_t& metric : model.metrics) metrics[metric.name] = metric.value;
-  return metrics;
-}
-
-Json modelJson(const model_info_t& model) {
-  return {{"version", model.version},
-          {"name", model.name},
-          {"state", model.state},
-          {"reason", model.reason},
-          {"serving", model.serving != 0},
-          {"pinned", model.pinned != 0},
-          {"key", model.key},
-          {"accepted", model.accepted},
-          {"created", model.created},
-          {"trained_on", model.trained_on},
-          {"command", model.command},
-          {"data_hash", model.data_hash},
-          {"seed", model.seed},
-          {"features", model.features},
-          {"shape", model.shape},
-          {"metrics", metricsOf(model)}};
-}
-
 std::string rowText(const model_info_t& model) {
   return fmt::format("{} {:<8}  {:<8}  {:<20}  {:<12}  {}{}{}\n", model.serving ? '*' : ' ', model.version,
                      model.state, model.created, model.key.substr(0, 12), model.name,

@@ -94,31 +94,6 @@ Json planJson(const plan_response_t& response) {
           {"report", reportJson(response)}};
 }
 
-Json statusJson(const status_t& status) {
-  Json outcomes = Json::object();
-  for (std::int8_t outcome = 0; outcome < static_cast<int>(std::size(status.outcomes)); ++outcome)
-    outcomes[std::string(outcomeName(outcome))] = status.outcomes[outcome];
-  return {{"schema", 1},
-          {"version", status.version},
-          {"model_version", status.model_version},
-          {"hand", status.hand},
-          {"uptime_s", status.uptime_s},
-          {"workers", status.workers},
-          {"running", status.running},
-          {"queue_length", status.queue_length},
-          {"queue_capacity", status.queue_capacity},
-          {"overloaded", status.overloaded != 0},
-          {"active", status.active},
-          {"outcomes", outcomes},
-          {"repeated", status.repeated},
-          {"superseded", status.superseded},
-          {"refused", status.refused},
-          {"latency_s",
-           {{"p50", status.latency_p50_s}, {"p90", status.latency_p90_s}, {"p99", status.latency_p99_s}}},
-          {"receive_buffer_bytes",
-           {{"asked", status.receive_buffer_asked}, {"granted", status.receive_buffer_granted}}}};
-}
-
 std::string jsonText(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace); }
 
 }  // namespace boxgrasp

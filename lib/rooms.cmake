@@ -75,3 +75,4 @@ boxgrasp_room(messaging     ROOMS base geometry ranking planning registry LIBRAR
 add_dependencies(boxgrasp_messaging boxgrasp_lcmtypes)
 target_include_directories(boxgrasp_messaging SYSTEM PUBLIC $<BUILD_INTERFACE:${lcm_headers}>
                            $<INSTALL_INTERFACE:include/boxgrasp-types>)
+boxgrasp_room(live          ROOMS base geometry hand planning viewer messaging LIBRARIES nlohmann_json::nlohmann_json PkgConfig::SODIUM)

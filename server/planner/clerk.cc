@@ -63,6 +63,14 @@ void Clerk::answered(plan_response_t answer, AnswerInputs inputs) {
   if (!posted) log_("the disk is behind: outcomes of request '" + id + "' cannot be reported");
 }
 
+void Clerk::listModels(std::function<void(models_reply_t)> take) {
+  background_.post([this, take = std::move(take)] {
+    models_request_t request{};
+    request.action = models_request_t::LIST;
+    take(models_.answer(request));
+  });
+}
+
 std::vector<Reply> Clerk::takeReplies() {
   const std::lock_guard lock(mutex_);
   return std::exchange(replies_, {});

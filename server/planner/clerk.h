@@ -33,6 +33,9 @@ class Clerk {
   // model. To be called before the answer is sent, so that no outcome can be dealt with earlier.
   void answered(plan_response_t answer, AnswerInputs inputs);
 
+  // Hands the list of all models to `take`, from the background.
+  void listModels(std::function<void(models_reply_t)> take);
+
   std::vector<Reply> takeReplies();
   // Nothing waits, runs, or is to be taken.
   bool idle() const;

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <fstream>
 #include <optional>
 
 #include "boxgrasp/base/error.h"
@@ -16,6 +17,7 @@
 #include "boxgrasp/messaging/isolated_bus.h"
 #include "boxgrasp/messaging/plan_conversion.h"
 #include "clerk.h"
+#include "http_server.h"
 #include "instance_lock.h"
 #include "state_folder.h"
 
@@ -57,9 +59,24 @@ std::string printable(std::string text) {
   return text;
 }
 
+// Of this process; -1: unknown.
+std::int64_t residentBytes() {
+  std::int64_t size = 0, resident = 0;
+  return std::ifstream("/proc/self/statm") >> size >> resident ? resident * sysconf(_SC_PAGESIZE) : -1;
+}
+
 TrustedKeys keysIn(const std::string& folder) { return folder.empty() ? TrustedKeys() : TrustedKeys(folder); }
 
 void log(const std::string& text) { spdlog::info("{}", printable(text)); }
+
+void logAnswer(const plan_response_t& answer, bool fresh) {
+  const auto level = !fresh                                              ? spdlog::level::debug
+                     : answer.outcome == plan_response_t::INTERNAL_ERROR ? spdlog::level::err
+                     : answer.outcome == plan_response_t::OVERLOADED     ? spdlog::level::warn
+                                                                         : spdlog::level::info;
+  spdlog::log(level, "{}: {} ({:.2f} s): {}{}", printable(answer.request_id), outcomeName(answer.outcome),
+              answer.time_s, printable(answer.message), fresh ? "" : " (answered before)");
+}
 
 class Daemon {
  public:
@@ -77,6 +94,7 @@ class Daemon {
             [this](PlannerPtr next) { service_.takeOver(std::move(next)); }, log),
         outcomes_(state_.file("outcomes.db"), models_.serving()->hand().name),
         service_(models_.serving(), options, [this] { wake(); }),
+        live_(models_.serving()->hand(), {options.shown_plans, options.shown_bytes}),
         clerk_(
             models_, outcomes_, [this] { wake(); }, log) {
     bus_.subscribe(channel::kPlanRequest, kMaxMessageBytes, [this](auto bytes) { service_.request(bytes); });
@@ -88,10 +106,18 @@ class Daemon {
                    [this](auto bytes) { clerk_.request(decoded<models_request_t>(bytes)); });
     bus_.subscribe(channel::kGraspOutcome, 4 * kMaxTextBytes,
                    [this](auto bytes) { clerk_.outcome(decoded<grasp_outcome_t>(bytes)); });
+    if (isWatched())
+      bus_.subscribe(channel::kTrainingStatus, 8 * kMaxTextBytes,
+                     [this](auto bytes) { live_.update(decoded<training_status_t>(bytes)); });
     if (!options.cloud_channel.empty())
       bus_.subscribe(options.cloud_channel, kMaxMessageBytes,
                      [this](auto bytes) { service_.cloud(options_.cloud_channel, bytes); });
     bus_.open();
+    if (!options.http.empty())
+      openWeb(page_, options.http, "page", [this](const std::string& path) { return live_.page(path); });
+    if (!options.metrics.empty())
+      openWeb(metrics_, options.metrics, "metrics",
+              [this](const std::string& path) { return live_.metrics(path); });
   }
 
   void run() {
@@ -109,6 +135,18 @@ class Daemon {
 
  private:
   void wake() const { eventfd_write(wake_.get(), 1); }
+
+  bool isWatched() const { return !options_.http.empty() || !options_.metrics.empty(); }
+
+  static void openWeb(std::optional<HttpServer>& server, const std::string& address, const char* what,
+                      HttpServer::Handler handler) {
+    server.emplace(address, std::move(handler));
+    spdlog::info("{} at {}", what, server->url());
+    if (!HttpAddress::parse(address).isLoopback())
+      spdlog::warn(
+          "the {} at {} can be read by everyone who reaches this machine; 127.0.0.1 is this machine alone",
+          what, address);
+  }
 
   void sayReady() const {
     const ReceiveBuffer& buffer = bus_.receiveBuffer();
@@ -150,12 +188,12 @@ class Daemon {
   }
 
   void publishAnswers() {
-    for (const DueAnswer& answer : service_.takeAnswers()) {
+    for (DueAnswer& answer : service_.takeAnswers()) {
       const auto response = decoded<plan_response_t>(*answer.bytes);
       if (answer.fresh) clerk_.answered(response, answer.inputs);
       bus_.publish(channel::kPlanResponse, LcmBus::Bytes(*answer.bytes));
-      spdlog::info("{}: {} ({:.2f} s): {}", printable(response.request_id), outcomeName(response.outcome),
-                   response.time_s, printable(response.message));
+      logAnswer(response, answer.fresh);
+      if (answer.fresh && !options_.http.empty()) live_.answered(response, std::move(answer.plan));
     }
   }
 
@@ -173,6 +211,10 @@ class Daemon {
     status.receive_buffer_asked = bus_.receiveBuffer().asked;
     status.receive_buffer_granted = bus_.receiveBuffer().granted;
     bus_.publish(channel::kStatus, status);
+    if (isWatched())
+      live_.update({std::move(status), service_.latencies(), bus_.restarts(), residentBytes()});
+    if (live_.isLookedAt())
+      clerk_.listModels([this](models_reply_t models) { live_.update(std::move(models)); });
     if (!service_.stuck()) sd_notify(0, "WATCHDOG=1");
   }
 
@@ -190,7 +232,9 @@ class Daemon {
   ModelDesk models_;
   OutcomeDesk outcomes_;
   PlanService service_;
-  Clerk clerk_;  // last: what it does in the background uses the others
+  LiveView live_;
+  Clerk clerk_;  // what it does in the background uses the others
+  std::optional<HttpServer> page_, metrics_;
   std::int64_t refused_ = 0;
   std::optional<Clock::time_point> stop_by_;
   Clock::time_point next_beat_;

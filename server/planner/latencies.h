@@ -6,12 +6,18 @@
 #include <cmath>
 #include <vector>
 
+#include "boxgrasp/live/server_state.h"
+
 namespace boxgrasp {
 
-// The last 1000 times, in seconds.
+// The last 1000 times, in seconds, and how all were distributed.
 class Latencies {
  public:
-  void add(double time_s) { times_s_[count_++ % times_s_.size()] = time_s; }
+  void add(double time_s) {
+    times_s_[count_++ % times_s_.size()] = time_s;
+    counts_.add(time_s);
+  }
+  const LatencyCounts& counts() const { return counts_; }
 
   // The smallest time that this share of the times does not exceed; NaN without any.
   double quantile(double share) const {
@@ -26,6 +32,7 @@ class Latencies {
  private:
   std::array<double, 1000> times_s_{};
   std::size_t count_ = 0;
+  LatencyCounts counts_;
 };
 
 }  // namespace boxgrasp

@@ -1,5 +1,4 @@
 // boxgrasp-server: plans grasps for point clouds that arrive over LCM.
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
@@ -10,6 +9,7 @@
 #include "boxgrasp/planning/default_model.h"
 #include "boxgrasp/planning/planner_config.h"
 #include "daemon.h"
+#include "logging.h"
 
 namespace {
 
@@ -17,7 +17,8 @@ using namespace boxgrasp;
 
 struct CommandLine {
   std::optional<std::filesystem::path> config, model, hand;
-  std::optional<std::string> lcm_url, state_dir, trusted_keys;
+  std::optional<std::string> lcm_url, state_dir, trusted_keys, http, metrics;
+  std::string log_level = "info";
   std::optional<int> workers, queue;
 };
 
@@ -31,11 +32,16 @@ void addOptions(CLI::App& app, CommandLine& line) {
   app.add_option("--state-dir", line.state_dir, "folder for published models and robots' outcomes");
   app.add_option("--trusted-keys", line.trusted_keys,
                  "folder with the public keys (*.pub) of those who may publish models");
+  app.add_option("--http", line.http,
+                 "address of a page that shows the latest plans, as 127.0.0.1:8080; read-only");
+  app.add_option("--metrics", line.metrics, "address of the metrics for Prometheus, as 127.0.0.1:9464");
+  app.add_option("--log-level", line.log_level, "debug, info, warning or error")->capture_default_str();
   app.add_option("--workers", line.workers, "plans that run at the same time");
   app.add_option("--queue", line.queue, "requests that wait; one more is answered 'overloaded'");
 }
 
 void run(const CommandLine& line) {
+  spdlog::set_level(logLevel(line.log_level));
   PlannerOptions planner_options;
   ServerOptions options;
   if (line.config) {
@@ -48,6 +54,8 @@ void run(const CommandLine& line) {
   options.lcm_url = line.lcm_url.value_or(options.lcm_url);
   options.state_dir = line.state_dir.value_or(options.state_dir);
   options.trusted_keys = line.trusted_keys.value_or(options.trusted_keys);
+  options.http = line.http.value_or(options.http);
+  options.metrics = line.metrics.value_or(options.metrics);
   options.workers = line.workers.value_or(options.workers);
   options.queue = line.queue.value_or(options.queue);
   options.validate();
@@ -63,7 +71,7 @@ void run(const CommandLine& line) {
 int main(int argc, char** argv) {
   // The daemon starts this program once more, to receive for it.
   if (argc > 1 && std::string_view(argv[1]) == "receive") return runReceiver(argc - 2, argv + 2);
-  spdlog::set_default_logger(spdlog::stderr_color_mt("boxgrasp-server"));
+  logToStderr(isJournalOnStderr());
   CLI::App app{"Plans grasps for a Barrett hand from point clouds that arrive over LCM."};
   app.set_version_flag("--version", BOXGRASP_VERSION);
   CommandLine line;

@@ -211,6 +211,11 @@ status_t PlanService::status() const {
   return status;
 }
 
+LatencyCounts PlanService::latencies() const {
+  const std::lock_guard lock(mutex_);
+  return latencies_.counts();
+}
+
 void PlanService::work() {
   std::unique_lock lock(mutex_);
   for (;;) {
@@ -229,15 +234,19 @@ void PlanService::work() {
   }
 }
 
-PlanService::Answer PlanService::answerTo(Job& job, const GraspPlanner& planner) {
+PlanService::Answer PlanService::answerTo(Job& job, const GraspPlanner& planner) const {
   const std::string frame = job.request.cloud.frame_name;
   try {
     const PlanRequest request = fromMessage(job.request);
     if (std::isnan(job.request.deadline_s))
       throw InputError("request: deadline_s is nan, but must be a number");
     job.request.cloud.data = {};  // the planner has its own copy
-    const PlanResult result = planner.plan(request, StopToken(job.deadline, job.cancelled));
-    return {toMessage(result, job.id(), frame), inputsOf(result, planner.model())};
+    const bool shown = !options_.http.empty();
+    const auto plan = std::make_shared<MadePlan>();
+    plan->result =
+        planner.plan(request, StopToken(job.deadline, job.cancelled), shown ? &plan->trace : nullptr);
+    return {toMessage(plan->result, job.id(), frame), inputsOf(plan->result, planner.model()),
+            shown ? plan : nullptr};
   } catch (const InputError& error) {
     return {refusal(plan_response_t::BAD_INPUT, error.what(), job.id(), frame)};
   } catch (const std::bad_alloc&) {
@@ -275,7 +284,7 @@ void PlanService::finish(const Job& job, Answer due, const GraspPlanner& planner
   ++outcomes_.at(response.outcome);
   const auto answer = std::make_shared<const std::vector<std::uint8_t>>(encoded(response));
   if (!job.fromChannel() && isWorthKeeping(response.outcome)) memory_.keep({job.id(), job.digest, answer});
-  send({answer, true, std::move(due.inputs)});
+  send({answer, true, std::move(due.inputs), std::move(due.plan)});
 }
 
 void PlanService::send(DueAnswer answer) {

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "answer_memory.h"
+#include "boxgrasp/live/plan_history.h"
 #include "boxgrasp/messaging/codec.h"
 #include "boxgrasp/planning/grasp_planner.h"
 #include "latencies.h"
@@ -36,6 +37,7 @@ struct DueAnswer {
   EncodedAnswer bytes;
   bool fresh = true;
   AnswerInputs inputs = {};  // of a fresh answer with grasps
+  MadePlanPtr plan = {};     // of a fresh answer that was planned, where plans are to be shown
 };
 
 // Plans on a pool of threads. Every request gets one answer: at once when it is refused, known already, or
@@ -82,6 +84,7 @@ class PlanService {
 
   // All but what only the transport knows.
   status_t status() const;
+  LatencyCounts latencies() const;
 
  private:
   struct Job {
@@ -100,8 +103,9 @@ class PlanService {
   struct Answer {
     plan_response_t response;
     AnswerInputs inputs = {};
+    MadePlanPtr plan = {};
   };
-  static Answer answerTo(Job& job, const GraspPlanner& planner);
+  Answer answerTo(Job& job, const GraspPlanner& planner) const;
   // The following expect the lock to be held.
   void enqueue(JobPtr job);
   bool full(const Job& next) const;

@@ -12,6 +12,7 @@ void ServerOptions::validate() const {
                 "above 0, at most 86400 (a day)");
   requireOption(oldest_model.empty() || isModelTime(oldest_model), "oldest_model", oldest_model,
                 "empty or a time like 2026-01-31T00:00:00Z");
+  requireOption(shown_plans >= 1 && shown_plans <= 1000, "shown_plans", shown_plans, "1 to 1000");
   requireOption(stop_s >= 0 && stop_s <= 86400, "stop_s", stop_s, "0 to 86400 (a day)");
 }
 
@@ -30,6 +31,10 @@ ServerOptions readServerOptions(ConfigFile& file) {
   file.read("server", "state_dir", options.state_dir);
   file.read("server", "trusted_keys", options.trusted_keys);
   file.read("server", "oldest_model", options.oldest_model);
+  file.read("server", "http", options.http);
+  file.read("server", "metrics", options.metrics);
+  file.read("server", "shown_plans", options.shown_plans);
+  file.read("server", "shown_bytes", options.shown_bytes);
   file.validate("server", [&] { options.validate(); });
   return options;
 }

@@ -23,6 +23,9 @@ struct ServerOptions {
   std::string state_dir;
   std::string trusted_keys;
   std::string oldest_model;
+  std::string http, metrics;
+  std::uint64_t shown_plans = 20;
+  std::uint64_t shown_bytes = 256u << 20;
   void validate() const;
 };
 

@@ -73,4 +73,5 @@ def main():
     print("page_test: the page is sound")
 
 
-main()
+if __name__ == "__main__":
+    main()

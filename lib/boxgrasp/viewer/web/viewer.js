@@ -306,44 +306,102 @@
 
   // --- the server's latest requests
 
-  const seconds = (x) => (x === null ? "–" : `${(1000 * x).toFixed(0)} ms`);
+  const milliseconds = (x) => (x === null ? "–" : `${(1000 * x).toFixed(0)} ms`);
+  const percent = (share) => `${Math.round(100 * share)} %`;
+  function uptime(s) {
+    if (s < 120) return `${s.toFixed(0)} s`;
+    return s < 7200 ? `${(s / 60).toFixed(0)} min` : s < 172800 ? `${(s / 3600).toFixed(1)} h` : `${(s / 86400).toFixed(1)} days`;
+  }
+  function fact(name, value, warning) {
+    const div = element("div", undefined, warning ? { class: "fact warning" } : { class: "fact" });
+    div.append(element("span", name), element("b", value));
+    return div;
+  }
+  function bar(share, text) {
+    const meter = element("progress", undefined, { max: 1, "aria-label": text });
+    if (share !== null) meter.value = share;
+    return meter;
+  }
+  function showTraining(training) {
+    const idle = !training || training.state === "idle";
+    $("training").replaceChildren(element("h2", "Training"));
+    if (!training) return $("training").append(element("p", "No worker is heard.", { class: "hint" }));
+    if (!idle) $("training").append(bar(training.progress, "training"), element("p",
+      `${training.state}: ${training.stage || training.cause}` + (training.progress === null ? "" : `, ${percent(training.progress)}`) +
+      (training.remaining_s === null ? "" : `, about ${uptime(training.remaining_s)} left`)));
+    else $("training").append(element("p", `Idle; ${training.outcomes_waiting} outcomes wait. ${training.message}`, { class: "hint" }));
+  }
   function showStatus(status) {
+    const answered = Object.values(status.outcomes).reduce((a, b) => a + b, 0);
     $("status").replaceChildren(
-      element("div", `boxgrasp-server ${status.version}, model ${status.model_version}, hand ${status.hand}, up ${(status.uptime_s / 3600).toFixed(1)} h`),
-      element("div", `${status.running} of ${status.workers} running, ${status.queue_length} of ${status.queue_capacity} waiting` + (status.overloaded ? ", overloaded" : "")),
-      element("div", `latency: half within ${seconds(status.latency_s.p50)}, 99 % within ${seconds(status.latency_s.p99)}`),
-      ...(status.training ? [element("div", `training: ${status.training}`)] : []));
+      fact("running", `${status.running} of ${status.workers}`),
+      fact("waiting", `${status.queue_length} of ${status.queue_capacity}`, status.overloaded),
+      fact("half within", milliseconds(status.latency_s.p50)),
+      fact("99 % within", milliseconds(status.latency_s.p99)),
+      fact("answered", String(answered)),
+      fact("with grasps", answered ? percent(status.outcomes.grasps / answered) : "–"),
+      fact("model", status.model_version),
+      fact("hand", status.hand),
+      ...(status.training && status.training.progress !== null ? [fact("training", percent(status.training.progress))] : []),
+      fact("server", `${status.version}, up ${uptime(status.uptime_s)}`));
+    fill($("models"), ["model", "state", "created", "name"], status.models.map((model) => {
+      const tr = row([model.version, model.state + (model.pinned ? ", pinned" : ""), model.created.slice(0, 10), model.name]);
+      if (model.serving) tr.className = "serving";
+      return tr;
+    }));
+    showTraining(status.training);
   }
   async function json(path) {
     const answer = await fetch(path, { cache: "no-store" });
     if (!answer.ok) throw new Error(`${path}: ${answer.status}`);
     return answer.json();
   }
+  function describe(entry) {
+    return entry.outcome === "grasps" ? `${entry.num_grasps} grasp${entry.num_grasps === 1 ? "" : "s"}` : entry.outcome.replace("_", " ");
+  }
   function follow() {
     $("live").hidden = false;
-    let current = null, pinned = false;
-    async function open(id) {
-      current = id;
-      show(await json(`api/plans/${id}`));
-      for (const button of $("requests").children) button.setAttribute("aria-pressed", String(Number(button.dataset.id) === id));
+    let current = null, following = true;
+    function mark() {
+      for (const button of $("requests").children) button.setAttribute("aria-pressed", String(Number(button.dataset.id) === current));
+      $("follow").checked = following;
     }
+    async function open(id) {
+      const scene = await json(`api/plans/${id}`);
+      current = id;
+      show(scene);
+      mark();
+    }
+    // A plan may be gone by the time that it is asked for.
+    const tryToOpen = (id) => open(id).catch((error) => complain(`That plan is no longer kept (${error.message}).`));
+    function complain(words) {
+      $("message").textContent = words;
+      $("message").classList.add("bad");
+    }
+    function requestButton(entry) {
+      const button = element("button", undefined, { type: "button", "data-id": entry.id, title: `${entry.request_id}: ${entry.message}`, class: entry.outcome === "grasps" ? "" : "none" });
+      button.append(element("b", describe(entry)), element("span", entry.request_id), element("span", `${new Date(entry.utime / 1000).toLocaleTimeString()} · ${milliseconds(entry.time_s)}`));
+      button.addEventListener("click", () => { following = false; tryToOpen(entry.id); });
+      return button;
+    }
+    let listed = "";
     async function refresh() {
       try {
         showStatus(await json("api/status"));
-        const plans = await json("api/plans");
-        $("requests").replaceChildren(...plans.map((entry) => {
-          const button = element("button", `${entry.request_id.slice(0, 24)}: ${entry.num_grasps} grasps`, { type: "button", "data-id": entry.id, title: entry.message, "aria-pressed": String(entry.id === current) });
-          button.addEventListener("click", () => { pinned = true; open(entry.id); });
-          return button;
-        }));
-        if (!plans.length && !plan) $("message").textContent = "No request yet.";
-        if (plans.length && !pinned && plans[0].id !== current) await open(plans[0].id);
+        const { plans } = await json("api/plans"), ids = plans.map((entry) => entry.id).join();
+        if (ids !== listed) $("requests").replaceChildren(...plans.map(requestButton));
+        listed = ids;
+        mark();
+        if (!plans.length && !plan) $("message").textContent = "No request yet. This page shows each as it is answered.";
+        if (plans.length && following && plans[0].id !== current) await open(plans[0].id);
+        $("lost").hidden = true;
       } catch (error) {
-        $("message").textContent = `The server does not answer (${error.message}).`;
-        $("message").classList.add("bad");
+        $("lost").textContent = `The server does not answer (${error.message}); trying again.`;
+        $("lost").hidden = false;
       }
       setTimeout(refresh, 1000);
     }
+    $("follow").addEventListener("change", (event) => { following = event.target.checked; });
     refresh();
   }
 
