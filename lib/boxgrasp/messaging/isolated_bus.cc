@@ -310,6 +310,12 @@ class Receiver {
   LcmBus bus_;
 };
 
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kBoundsAddresses = false;  // sanitizers reserve terabytes of them
+#else
+constexpr bool kBoundsAddresses = true;
+#endif
+
 // An address space of its own, bounded; no new rights; and it goes when the other end goes.
 void confine(std::int64_t max_bytes) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -317,7 +323,7 @@ void confine(std::int64_t max_bytes) {
   const rlim_t bytes =
       static_cast<rlim_t>(max_bytes) + (std::int64_t{1} << 30);  // code, stacks, kernel's reserve
   const rlimit address_space{bytes, bytes};
-  setrlimit(RLIMIT_AS, &address_space);
+  if (kBoundsAddresses) setrlimit(RLIMIT_AS, &address_space);
   const rlimit no_core{0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
 }
