@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <sys/file.h>
 #include <unistd.h>
 
@@ -78,7 +77,7 @@ class Reproduction {
         steps_(reproductionSteps(command)),
         folder_(ownFolder(command.out)),
         lock_(folder_),
-        program_(programVersion()) {}
+        build_(programBuild()) {}
 
   int run();
 
@@ -100,15 +99,21 @@ class Reproduction {
   std::vector<Step> steps_;
   fs::path folder_;
   FolderLock lock_;
-  std::string program_;
+  std::string build_;
   std::map<std::string, json> records_;      // by the steps' names: steps.json
   double spent_s_ = 0.0, estimate_s_ = 0.0;  // of the steps of this run that are done
 };
 
+// As a shell takes it.
+std::string commandLine(const Step& step) {
+  std::string line = "boxgrasp-trainer";
+  for (const std::string& word : step.arguments)
+    line += word.find_first_of(" '\"$&;()") == std::string::npos ? " " + word : fmt::format(" '{}'", word);
+  return line;
+}
+
 json Reproduction::stampOf(const Step& step) const {
-  return {{"name", step.name},
-          {"command", fmt::format("boxgrasp-trainer {}", fmt::join(step.arguments, " "))},
-          {"program", program_}};
+  return {{"name", step.name}, {"command", commandLine(step)}, {"program", BOXGRASP_VERSION}};
 }
 
 bool Reproduction::isDone(const Step& step) const {
@@ -135,7 +140,8 @@ void Reproduction::readRecords() {
 }
 
 void Reproduction::writeRecords() const {
-  json list{{"schema", 1}, {"program", program_}, {"quick", command_.quick}, {"steps", json::array()}};
+  json list{
+      {"schema", 1}, {"program", BOXGRASP_VERSION}, {"quick", command_.quick}, {"steps", json::array()}};
   for (const Step& step : steps_) {
     const auto found = records_.find(step.name);
     list["steps"].push_back(found == records_.end() ? stampOf(step) : found->second);
@@ -172,6 +178,7 @@ void Reproduction::perform(const Step& step) {
   const int code = runStep(step.arguments, folder_, file(step, ".part"), file(step, ".log"), stop_);
   json& record = records_[step.name];
   record["error"] = nullptr;
+  record["build"] = build_;
   // A command that does what it can, and leaves out what it cannot, says so with this code.
   if (code == kDone || (code == kNothingFound && step.prints_text))
     keepOutput(step);
@@ -199,11 +206,17 @@ void Reproduction::announce(std::size_t i) const {
 }
 
 void Reproduction::writeReport() const {
-  ReproducedStudy study{program_, command_.quick, {}, {}};
+  ReproducedStudy study{BOXGRASP_VERSION, build_, command_.quick, {}, {}};
   for (const Step& step : steps_) {
     const json& record = records_.at(step.name);
-    ReportedStep reported{step.name, step.kind, step.subject, record["command"], record.value("time_s", 0.0),
-                          {},        {}};
+    ReportedStep reported{step.name,
+                          step.kind,
+                          step.subject,
+                          record["command"],
+                          record.value("build", ""),
+                          record.value("time_s", 0.0),
+                          {},
+                          {}};
     if (!record["error"].is_null())
       reported.error = record["error"];
     else

@@ -86,12 +86,12 @@ int runStep(const std::vector<std::string>& arguments, const std::filesystem::pa
   return waitFor(child, stop);
 }
 
-std::string programVersion() {
+std::string programBuild() {
   constexpr std::uintmax_t kMost = std::uintmax_t{1} << 30;
   std::uint64_t sum = 0xcbf29ce484222325;  // FNV-1a
   for (const char c : readWhole(std::filesystem::read_symlink(kSelf), kMost))
     sum = (sum ^ static_cast<unsigned char>(c)) * 0x100000001b3;
-  return fmt::format("{} {:016x}", BOXGRASP_VERSION, sum);
+  return fmt::format("{:016x}", sum);
 }
 
 }  // namespace boxgrasp

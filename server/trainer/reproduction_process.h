@@ -15,7 +15,7 @@ namespace boxgrasp {
 int runStep(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
             const std::filesystem::path& out, const std::filesystem::path& messages, const StopToken& stop);
 
-// Tells this build of the program from every other: its version, and a sum over the executable.
-std::string programVersion();
+// Tells this build of the program from every other: a sum over the executable, in hexadecimal digits.
+std::string programBuild();
 
 }  // namespace boxgrasp

@@ -738,15 +738,23 @@ std::string Report::summary() const {
 std::string Report::commands() const {
   std::string rows;
   double total_s = 0.0;
+  std::size_t others = 0;
   for (const ReportedStep& step : study_.steps) {
     total_s += step.time_s;
+    others += step.build != study_.build;
     rows += row({cell(escaped(step.name)), numberCell(number(step.time_s, 1)),
                  cell("<code>" + escaped(step.command) + "</code>")});
   }
-  return paragraph(fmt::format("{} steps, {} minutes in all, program {}. Each ran in the folder of this "
-                               "report; what it printed is in &lt;step&gt;.json there.",
-                               study_.steps.size(), number(total_s / 60, 1), escaped(study_.program))) +
-         table({"step", "#time [s]", "command"}, rows);
+  std::string html = paragraph(fmt::format(
+      "{} steps, {} minutes in all, program {}, build {}. Each ran in the folder of this report; what it "
+      "printed is in &lt;step&gt;.json there.",
+      study_.steps.size(), number(total_s / 60, 1), escaped(study_.program), escaped(study_.build)));
+  if (others)
+    html += fmt::format(
+        "<p class=\"note\">{} of them were run by another build of this version; steps.json says "
+        "which.</p>\n",
+        others);
+  return html + table({"step", "#time [s]", "command"}, rows);
 }
 
 std::string Report::html() const {

@@ -13,13 +13,14 @@ struct ReportedStep {
   std::string kind;  // "summary", "stability", "constellations", "evaluate", "spread", "grasps", "rates",
                      // "ablation", "scene", "label"
   std::string subject, command;
+  std::string build;  // of the program that ran it
   double time_s = 0.0;
   std::string error;      // empty: it ended well
   nlohmann::json output;  // what it printed
 };
 
 struct ReproducedStudy {
-  std::string program;
+  std::string program, build;  // version, and build of the program that writes the report
   bool quick = false;
   std::vector<ReportedStep> steps;
   std::map<std::string, std::string> pictures;  // by the step's name: PNG, or SVG text

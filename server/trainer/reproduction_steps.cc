@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
+#include <set>
 
 #include "boxgrasp/base/error.h"
 #include "tried_object.h"
@@ -17,12 +19,24 @@ constexpr const char* kStore = "labels.db";
 
 // How much is measured: chosen so that two quiet cores need less than two hours, or five minutes.
 struct Sizes {
-  std::string scales, levels;
-  int label_limit, random, sweep_repeats, repeats, views, hypotheses, constellations;
+  std::string scales;
+  int label_limit, random, sweep_repeats, repeats, views, hypotheses;
   double share;  // of the time estimates for the whole
 };
-const Sizes kWhole{"0.75,1,1.25", "", 60, 2000, 10, 3, 2, 40, 2, 1.0};
-const Sizes kQuick{"1", "--quick", 20, 60, 1, 1, 1, 10, 1, 0.05};
+const Sizes kWhole{"0.75,1,1.25", 60, 2000, 10, 3, 2, 40, 1.0};
+const Sizes kQuick{"1", 20, 60, 1, 1, 1, 10, 0.2};
+
+// Files are named after objects and scenes, which may be called anything.
+std::string inFileNames(std::string name) {
+  for (char& c : name) {
+    if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '.') c = '_';
+  }
+  return name;
+}
+
+std::string inWords(const std::string& seen) {
+  return seen == "whole" ? "whole surface" : seen == "view" ? "one view" : "two views";
+}
 
 class Plan {
  public:
@@ -94,7 +108,7 @@ void Plan::addLabels() {
        "",
        {"label", "--objects", set_, "--out", kStore, "--scales", sizes_.scales, "--last-stage", "shake",
         "--limit", count(sizes_.label_limit), "--perturbations", "0"},
-       20 * models,
+       4 * models,
        kStore,
        true});
   add({"summary", "summary", "", {"summary", kStore, "--json"}, 5, "", false});
@@ -107,7 +121,7 @@ void Plan::addRatesRow(const std::string& name, const std::string& subject, cons
                   count(seeds), "--store",           kStore,       "--meshes", set_,
                   "--json"};
   arguments.insert(arguments.end(), more.begin(), more.end());
-  add({name, "rates", subject, arguments, 8 * objects() * seeds * (seen == "whole" ? 1 : sizes_.views), "",
+  add({name, "rates", subject, arguments, objects() * (3 + seeds * (seen == "whole" ? 1 : sizes_.views)), "",
        false});
 }
 
@@ -116,10 +130,7 @@ void Plan::addRates() {
               "lift_shake", 1, {"--limit", count(sizes_.hypotheses), "--random", count(sizes_.hypotheses)});
   for (const char* protocol : {"lift_shake", "six_pushes"}) {
     for (const char* seen : {"whole", "view", "pair"}) {
-      const std::string sight = seen == std::string("whole")  ? "whole surface"
-                                : seen == std::string("view") ? "one view"
-                                                              : "two views";
-      addRatesRow(fmt::format("rates_{}_{}", seen, protocol), sight, set_, seen, protocol, seeds_,
+      addRatesRow(fmt::format("rates_{}_{}", seen, protocol), inWords(seen), set_, seen, protocol, seeds_,
                   {"--answers-only"});
     }
   }
@@ -129,17 +140,15 @@ void Plan::addScanned() {
   if (!command_.scanned) return;
   const std::string set = fs::absolute(*command_.scanned).lexically_normal();
   for (const char* seen : {"whole", "view"})
-    addRatesRow(
-        fmt::format("scanned_{}", seen),
-        fmt::format("scanned objects, {}", seen == std::string("whole") ? "whole surface" : "one view"), set,
-        seen, "lift_shake", seeds_, {"--answers-only"});
+    addRatesRow(fmt::format("scanned_{}", seen), fmt::format("scanned objects, {}", inWords(seen)), set, seen,
+                "lift_shake", seeds_, {"--answers-only"});
 }
 
 void Plan::addAblations() {
   const auto addOne = [&](const std::string& name, const char* seen, const Words& more) {
     Words arguments{"rates", "--objects", set_, "--seen", seen, "--views", "1", "--answers-only", "--json"};
     arguments.insert(arguments.end(), more.begin(), more.end());
-    add({name, "ablation", seen, arguments, 6 * objects(), "", false});
+    add({name, "ablation", seen, arguments, 1.5 * objects(), "", false});
   };
   addOne("ablation_default_whole", "whole", {});
   addOne("ablation_default_view", "view", {});
@@ -165,39 +174,34 @@ void Plan::addLearning() {
 void Plan::addStability() {
   for (int seed = 1; seed <= seeds_; ++seed) {
     Words arguments{"stability", "--objects", set_, "--seed", count(seed), "--json"};
-    if (!sizes_.levels.empty()) arguments.push_back(sizes_.levels);
+    if (command_.quick) arguments.insert(arguments.end(), {"--quick", "--points", "2000"});
     add({fmt::format("stability_{}", seed), "stability", fmt::format("seed {}", seed), arguments,
-         25 * objects(), "", false});
+         20 * objects(), "", false});
   }
 }
 
 void Plan::addConstellations() {
-  for (const char* preferred : {"duck", "mug"}) {
-    if (static_cast<int>(std::count_if(steps_.begin(), steps_.end(), [](const Step& s) {
-          return s.kind == "constellations";
-        })) >= sizes_.constellations)
-      return;
-    const auto found = std::find_if(sources_.begin(), sources_.end(),
-                                    [&](const ObjectSource& source) { return source.name == preferred; });
-    const std::string& name = found != sources_.end()
-                                  ? found->name
-                                  : sources_[preferred == std::string("mug") ? sources_.size() - 1 : 0].name;
-    add({"constellations_" + name,
-         "constellations",
-         name,
-         {"constellations", name, "--objects", set_, "--out", fmt::format("constellations_{}.png", name),
-          "--json"},
-         30,
-         fmt::format("constellations_{}.png", name),
-         false});
+  const auto indexOf = [&](const char* name, std::size_t otherwise) {
+    const auto found = std::ranges::find(sources_, name, &ObjectSource::name);
+    return found == sources_.end() ? otherwise : static_cast<std::size_t>(found - sources_.begin());
+  };
+  std::set<std::size_t> chosen{indexOf("mug", sources_.size() - 1)};
+  if (!command_.quick) chosen.insert(indexOf("duck", 0));
+  for (const std::size_t i : chosen) {
+    const std::string& name = sources_[i].name;
+    const std::string stem = "constellations_" + inFileNames(name);
+    Words arguments{"constellations", name, "--objects", set_, "--out", stem + ".png", "--json"};
+    if (command_.quick) arguments.insert(arguments.end(), {"--points", "2000", "--gains", "0.8,0.9,0.95"});
+    add({stem, "constellations", name, arguments, 30, stem + ".png", false});
   }
 }
 
 void Plan::addObjects() {
   for (const ObjectSource& source : sources_) {
-    const std::string plot = fmt::format("spread_{}.svg", source.name),
-                      picture = fmt::format("grasps_{}.png", source.name);
-    add({"spread_" + source.name,
+    const std::string spread = "spread_" + inFileNames(source.name),
+                      grasps = "grasps_" + inFileNames(source.name), plot = spread + ".svg",
+                      picture = grasps + ".png";
+    add({spread,
          "spread",
          source.name,
          {"spread", "--object", source.file.empty() ? source.name : source.file.string(), "--random",
@@ -205,7 +209,7 @@ void Plan::addObjects() {
          60,
          plot,
          false});
-    add({"grasps_" + source.name,
+    add({grasps,
          "grasps",
          source.name,
          {"draw", source.name, "--objects", set_, "--store", kStore, "--meshes", set_, "--out", picture,
@@ -227,7 +231,7 @@ void Plan::addScenes() {
   std::sort(files.begin(), files.end());
   if (command_.quick && files.size() > 1) files.resize(1);
   for (const fs::path& file : files) {
-    const std::string name = "scene_" + file.stem().string();
+    const std::string name = "scene_" + inFileNames(file.stem());
     add({name,
          "scene",
          file.stem(),
