@@ -219,18 +219,18 @@ std::vector<Grasp> clearGrasps(const FaceWork& work, const Face& face, const std
 
 std::vector<Grasp> graspsOnFace(const FaceWork& work, const Face& face, Tally& tally, FaceTrace* trace) {
   work.stop.check();
-  const FaceImage image = imageOf(work, face, tally);
-  const std::vector<Region> regions = regionsOf(work, image, tally, trace);
-  const std::vector<Triplet> triplets = tripletsOf(work, image, regions, tally);
+  FaceImage image = imageOf(work, face, tally);
+  std::vector<Region> regions = regionsOf(work, image, tally, trace);
+  std::vector<Triplet> triplets = tripletsOf(work, image, regions, tally);
   const std::vector<HandConfiguration> configurations =
       configurationsOf(work, triplets, tally).configurations;
   std::vector<Grasp> grasps = clearGrasps(work, face, triplets, configurations, tally);
   const Vector2d centroid_F = shapeCentroid(image);
   for (Grasp& grasp : grasps) grasp.quality = measure(work, grasp, centroid_F);
   if (trace) {
-    trace->image = image;
-    trace->regions = regions;
-    trace->triplets = triplets;
+    trace->image = std::move(image);
+    trace->regions = std::move(regions);
+    trace->triplets = std::move(triplets);
     trace->configurations = configurations.size();
     trace->clear = grasps.size();
   }
