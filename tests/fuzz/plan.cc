@@ -37,6 +37,11 @@ std::vector<std::string> seeds() {
   for (const char* name : {"paper_cup", "mug"}) {
     PlanRequest request;
     request.cloud_C = sampleSurface(parametricObject(name), 400, 1);
+    request.table_C = Plane{Vector3d::UnitZ(), 0.0};
+    request.robot.X_RC = Pose::Identity();
+    request.robot.approach = {-Vector3d::UnitZ(), 1.0};
+    request.robot.workspace_R = Eigen::AlignedBox3d(Vector3d(-1, -1, -1), Vector3d(1, 1, 1));
+    request.robot.forbidden_R = {Eigen::AlignedBox3d(Vector3d(0.1, -1, -1), Vector3d(0.2, 1, 1))};
     result.push_back(textOf(encoded(toMessage(request, {name, "camera", 0.0, 1}))));
   }
   return result;

@@ -92,6 +92,7 @@ Robot::Robot(const RobotOptions& options, const RobotRequest& request)
     requireBox("forbidden", box);
     box.clamp(world);
   }
+  std::erase_if(forbidden_R_, [](const Eigen::AlignedBox3d& box) { return box.isEmpty(); });
 }
 
 std::optional<Vector3d> Robot::gravity_C() const {

@@ -183,6 +183,14 @@ TEST(Robot, MeetsABoxOnItsWayAlone) {
   EXPECT_FALSE(meets({0, 0, -0.24})) << "behind the palm before the grasp";
 }
 
+TEST(Robot, WhatIsForbiddenFarAwayForbidsNothing) {
+  PlanRequest request = mug(3);
+  request.robot.forbidden_R = {Eigen::AlignedBox3d(Vector3d(200, 200, 200), Vector3d(300, 300, 300))};
+  const PlanResult result = planOf(request);
+  EXPECT_EQ(result.grasps.size(), 3u) << result.message;
+  EXPECT_EQ(rejected(result, "hand enters a forbidden region"), 0u);
+}
+
 TEST(Robot, GravityIsTheRequestsOrTheRobots) {
   PlanRequest request = mug(3);
   RobotOptions robot;
