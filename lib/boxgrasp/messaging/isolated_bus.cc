@@ -161,7 +161,6 @@ void IsolatedBus::startAgain() {
   if (receiver_ > 0 || Clock::now() < next_start_) return;
   start();
   ++restarts_;
-  on_event_(fmt::format("receiving process {} takes its place", receiver_));
 }
 
 void IsolatedBus::dispatch() {
@@ -230,6 +229,7 @@ void IsolatedBus::take(const Head& head, Bytes bytes) {
     case kReady:
       std::memcpy(&receive_buffer_, bytes.data(), sizeof receive_buffer_);
       ready_ = true;
+      if (restarts_ > 0) on_event_(fmt::format("receiving process {} takes its place", receiver_));
       return;
     case kFailure:
       failure_ = text();

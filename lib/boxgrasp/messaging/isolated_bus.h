@@ -29,7 +29,7 @@ class IsolatedBus {
   using Bytes = LcmBus::Bytes;
   using Handler = LcmBus::Handler;
   using ProblemHandler = LcmBus::ProblemHandler;
-  // One sentence on each death and start of a receiver.
+  // One sentence on each death of a receiver, and when its successor listens.
   using EventHandler = std::function<void(const std::string& what)>;
 
   // Throws as LcmBus does, and InputError for a transport within one process (memq://).
