@@ -693,9 +693,13 @@ std::string Report::goalRow(const std::string& what, const std::string& paper, c
                             double goal) const {
   const ReportedStep* found = find(step);
   const double ours = found ? 100 * shareAt(*found, "first") : NAN;
+  const bool may_be_less =
+      found && ours >= goal &&
+      100 * wilson(countAt(*found, "/all/first/held"), countAt(*found, "/all/first/of")).low < goal;
+  const std::string doubt = may_be_less ? ", but its range reaches below" : "";
   return row({cell(what), numberCell(paper),
               numberCell(found ? shareText(*found, "first") + " %" : "&ndash;"),
-              numberCell(fmt::format("{} %", goal)), cell(verdict(ours, goal))});
+              numberCell(fmt::format("{} %", goal)), cell(verdict(ours, goal) + doubt)});
 }
 
 std::string Report::summary() const {

@@ -85,6 +85,7 @@ TEST(ReproductionReport, JudgesGoalsByTheSharesHeld) {
     return reportOf({stepOf("rates_whole_lift_shake", "rates", ratesOf(held, 20))});
   };
   EXPECT_THAT(pageWith(17), HasSubstr("<span class=\"met\">met</span>")) << "17 of 20 are 85 %";
+  EXPECT_THAT(pageWith(17), HasSubstr("met</span>, but its range reaches below")) << "20 plans say little";
   EXPECT_THAT(pageWith(16), Not(HasSubstr("<span class=\"met\">")));
   EXPECT_THAT(pageWith(16), HasSubstr("5.0 points short"));
   EXPECT_THAT(pageWith(16), HasSubstr("data-from=\"rates_whole_lift_shake#/all/first/held\""));
