@@ -58,7 +58,12 @@ Json boxJson(const box_t& box) {
           {"leaf", box.leaf != 0},
           {"theta", box.theta},
           {"stop_reason", box.stop_reason},
-          {"object", box.object}};
+          {"object", box.object},
+          {"shape",
+           {{"kind", box.shape},
+            {"center_m", numbers(box.shape_center_m)},
+            {"axis", numbers(box.shape_axis)},
+            {"radius_m", box.shape_radius_m}}}};
 }
 
 Json reportJson(const plan_response_t& response) {

@@ -15,7 +15,7 @@ void feed(Bytes bytes) {
 
 std::vector<std::string> seeds() {
   std::vector<std::string> result;
-  for (const char* name : {"barrett.toml", "barrett_graspit.toml"}) {
+  for (const char* name : {"barrett.toml", "barrett_graspit.toml", "parallel_gripper.toml"}) {
     std::ifstream stream(std::string(BOXGRASP_SOURCE_DIR "/deploy/hands/") + name);
     result.emplace_back(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>());
   }

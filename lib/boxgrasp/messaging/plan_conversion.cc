@@ -68,6 +68,13 @@ grasp_t toMessage(const PlanResult& result, const Grasp& grasp, int first_box) {
   return message;
 }
 
+void put(const BoxShape& shape, const Pose& X_AC, box_t& message) {
+  message.shape = describe(shape.kind);
+  put(X_AC * shape.center_C, message.shape_center_m);
+  put(X_AC.linear() * shape.axis_C, message.shape_axis);
+  message.shape_radius_m = shape.radius_m;
+}
+
 box_t toMessage(const BoxNode& node, const Pose& X_AC, int object, int first_box) {
   box_t message{};
   const Pose X_AB = X_AC * node.box.X_CB;
@@ -88,8 +95,11 @@ std::vector<int> putBoxes(const PlanResult& result, plan_response_t& message) {
   std::vector<int> first;
   for (std::size_t object = 0; object < result.objects.size(); ++object) {
     first.push_back(static_cast<int>(message.boxes.size()));
-    for (const BoxNode& node : result.objects[object].tree.nodes)
-      message.boxes.push_back(toMessage(node, result.X_AC, static_cast<int>(object), first.back()));
+    const auto& nodes = result.objects[object].tree.nodes;
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      message.boxes.push_back(toMessage(nodes[i], result.X_AC, static_cast<int>(object), first.back()));
+      put(result.objects[object].shapeOf(i), result.X_AC, message.boxes.back());
+    }
   }
   message.num_boxes = static_cast<int>(message.boxes.size());
   return first;

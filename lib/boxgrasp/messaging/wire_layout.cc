@@ -77,11 +77,19 @@ constexpr WireField kGraspFields[] = {
 constexpr WireLayout kGrasp{"grasp_t", kGraspFields};
 
 constexpr WireField kBoxFields[] = {
-    fixed("center_m", float64, 3),  fixed("quaternion_wxyz", float64, 4),
-    fixed("extents_m", float64, 3), one("points", int32),
-    one("parent", int32),           one("leaf", boolean),
-    one("theta", float64),          one("stop_reason", text),
+    fixed("center_m", float64, 3),
+    fixed("quaternion_wxyz", float64, 4),
+    fixed("extents_m", float64, 3),
+    one("points", int32),
+    one("parent", int32),
+    one("leaf", boolean),
+    one("theta", float64),
+    one("stop_reason", text),
     one("object", int32),
+    one("shape", text),
+    fixed("shape_center_m", float64, 3),
+    fixed("shape_axis", float64, 3),
+    one("shape_radius_m", float64),
 };
 constexpr WireLayout kBox{"box_t", kBoxFields};
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "boxgrasp/synthesis/pinches.h"
+#include "boxgrasp/synthesis/round_outline.h"
 #include "boxgrasp/wrench/grasp_wrench_space.h"
 
 namespace boxgrasp {
@@ -31,7 +32,16 @@ std::vector<Region> regionsOf(const FaceWork& work, const FaceImage& image, Tall
   return regions;
 }
 
-std::vector<Triplet> tripletsOf(const FaceWork& work, const FaceImage& image,
+// The outline of a leaf that is a sphere, or a cylinder seen along its axis.
+std::optional<Circle> roundOutline(const FaceWork& work, const Face& face) {
+  const BoxShape shape = work.object.shapeOf(static_cast<std::size_t>(face.node));
+  const bool along = std::abs(shape.axis_C.dot(face.X_CF.linear().col(2))) > 0.99;
+  if (shape.kind != ShapeKind::sphere && !(shape.kind == ShapeKind::cylinder && along)) return std::nullopt;
+  const Vector3d center_F = face.X_CF.inverse() * shape.center_C;
+  return Circle{center_F.head<2>(), shape.radius_m};
+}
+
+std::vector<Triplet> tripletsOf(const FaceWork& work, const Face& face, const FaceImage& image,
                                 const std::vector<Region>& regions, Tally& tally) {
   const StageTimer timer(tally, StageId::triplets);
   TripletOptions options = work.options.triplets;
@@ -46,6 +56,8 @@ std::vector<Triplet> tripletsOf(const FaceWork& work, const FaceImage& image,
         findPinches(regions, image, 2 * work.hand.spread_offset, options, work.stop);
     found.triplets.insert(found.triplets.end(), pinches.begin(), pinches.end());
   }
+  if (const auto circle = roundOutline(work, face); circle && work.options.shapes.snap)
+    snapToCircle(*circle, image, options, found.triplets);
   tally.count(StageId::triplets, std::max(found.counts.considered, found.triplets.size()),
               found.triplets.size());
   tally.reject("triplet: normals do not span the plane", found.counts.not_spanning);
@@ -221,7 +233,7 @@ std::vector<Grasp> graspsOnFace(const FaceWork& work, const Face& face, Tally& t
   work.stop.check();
   FaceImage image = imageOf(work, face, tally);
   std::vector<Region> regions = regionsOf(work, image, tally, trace);
-  std::vector<Triplet> triplets = tripletsOf(work, image, regions, tally);
+  std::vector<Triplet> triplets = tripletsOf(work, face, image, regions, tally);
   const std::vector<HandConfiguration> configurations =
       configurationsOf(work, triplets, tally).configurations;
   std::vector<Grasp> grasps = clearGrasps(work, face, triplets, configurations, tally);

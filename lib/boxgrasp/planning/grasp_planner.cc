@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "boxgrasp/base/error.h"
 #include "boxgrasp/planning/distinct.h"
@@ -13,6 +14,23 @@
 
 namespace boxgrasp {
 namespace {
+
+// How far the outline turns inwards where the fingers are, on average.
+double concavity(const Grasp& grasp) {
+  const auto& turn = grasp.triplet.turn_rad;
+  return -(turn[0] + turn[1] + turn[2]) / 3.0;
+}
+
+void preferConcave(double weight, const std::vector<Grasp*>& grasps) {
+  double sum = 0.0, squares = 0.0;
+  for (const Grasp* grasp : grasps) {
+    sum += grasp->score;
+    squares += grasp->score * grasp->score;
+  }
+  const auto n = static_cast<double>(grasps.size());
+  const double deviation = std::sqrt(std::max(0.0, squares / n - (sum / n) * (sum / n)));
+  for (Grasp* grasp : grasps) grasp->score += weight * deviation * concavity(*grasp);
+}
 
 // All grasps of one object at once: places among them count.
 void scoreObject(const Model& model, const PlannedObject& object, const std::vector<Grasp*>& grasps,
@@ -26,6 +44,7 @@ void scoreObject(const Model& model, const PlannedObject& object, const std::vec
     grasp.score = all[i];
     grasp.inputs.assign(inputs.row(i).begin(), inputs.row(i).end());
   }
+  if (options.concavity_weight > 0) preferConcave(options.concavity_weight, grasps);
 }
 
 void rank(const Model& model, const PlannerOptions& options, double friction, const StopToken& stop,
@@ -118,6 +137,9 @@ void PlannerOptions::validate() const {
   configurations.validate();
   contacts.validate();
   clearance.validate();
+  shapes.validate();
+  requireOption(concavity_weight >= 0 && concavity_weight <= 100, "concavity_weight", concavity_weight,
+                "in [0, 100]");
   robot.validate();
   requireOption(merge_distance_m >= 0, "merge_distance_m", merge_distance_m, "at least 0");
   requireOption(merge_angle_rad >= 0, "merge_angle_rad", merge_angle_rad, "at least 0");

@@ -132,7 +132,7 @@ class HypothesisSearch {
                        scene_.objects[i].size(), clean_cloud.cloud_C.size(), 1e3 * clean_cloud.voxel_m,
                        1e3 * clean_cloud.spacing_m));
       scene_C_ = joined(std::move(scene_C_), clean_cloud.cloud_C);
-      result_.objects.push_back({std::move(clean_cloud.cloud_C), 0, clean_cloud.spacing_m, {}});
+      result_.objects.push_back({std::move(clean_cloud.cloud_C), 0, clean_cloud.spacing_m, {}, {}});
     }
     addObstacles(background(cloud_C, scene_));
   }
@@ -190,7 +190,19 @@ class HypothesisSearch {
       if (!planned(i)) continue;
       PlannedObject& object = result_.objects[i];
       object.tree = decompose(object.cloud_C, options_.decomposition, stop_);
+      object.shapes = shapesOf(object.cloud_C, object.tree, options_.shapes);
       tally_.count(StageId::decomposition, 1, object.tree.leaves().size());
+      noteShapes(i);
+    }
+  }
+
+  void noteShapes(std::size_t object) {
+    const PlannedObject& its = result_.objects[object];
+    for (std::size_t node = 0; node < its.shapes.size(); ++node) {
+      const BoxShape& shape = its.shapes[node];
+      if (shape.kind != ShapeKind::box)
+        note(fmt::format("object {}: box {} is a {} of radius {:.1f} mm", object, node, describe(shape.kind),
+                         1e3 * shape.radius_m));
     }
   }
 

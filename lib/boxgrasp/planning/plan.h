@@ -10,6 +10,7 @@
 #include "boxgrasp/cloud/completion.h"
 #include "boxgrasp/cloud/scene.h"
 #include "boxgrasp/decomposition/decompose.h"
+#include "boxgrasp/decomposition/shape.h"
 #include "boxgrasp/hand/clearance.h"
 #include "boxgrasp/hand/contacts.h"
 #include "boxgrasp/planning/robot.h"
@@ -37,11 +38,17 @@ struct PlannerOptions {
   ConfigurationOptions configurations;
   ContactOptions contacts;
   ClearanceOptions clearance;
+  ShapeOptions shapes;
   RobotOptions robot;
   DepthModel depth_model = DepthModel::exact;
   // Force closure of a grasp's contacts, as far as the cloud tells their normals. `prefer`: only such grasps,
   // unless an object has none; half of the others are held all the same.
   ForceClosureUse force_closure = ForceClosureUse::prefer;
+  // Prefer fingers in slightly concave places (a wish of the paper, III.A): added to a grasp's score
+  // are so many standard deviations of its object's scores for each radian that the outline turns inwards
+  // along the fingers' regions, on average, or taken off where it turns outwards. 0: the network's score
+  // alone.
+  double concavity_weight = 0.0;
   double merge_distance_m = 0.010;  // grasps whose palms and contacts are all nearer than this ...
   double merge_angle_rad = 0.26;    // ... and whose palms turn less than this are one grasp; the best stays
   int threads = 0;                  // 0 = all cores; the result does not depend on it
@@ -103,6 +110,8 @@ struct PlannedObject {
   std::size_t guessed = 0;  // points of it that no sensor saw (cloud/completion.h)
   double spacing_m = -1.0;
   BoxTree tree;
+  std::vector<BoxShape> shapes;  // of the tree's nodes; empty: not told
+  BoxShape shapeOf(std::size_t node) const { return node < shapes.size() ? shapes[node] : BoxShape{}; }
 };
 
 // What `explain` and `show` want to see, kept only on request.

@@ -133,6 +133,12 @@ void read(Section section, RobotOptions& options) {
   section("forbidden_m", forbidden_m)("lift_m", lift_m);
 }
 
+void read(Section section, ShapeOptions& options) {
+  auto& [snap, min_cells, max_residual_share, min_arc_rad] = options;
+  section("snap", snap)("min_cells", min_cells)("max_residual_share", max_residual_share);
+  section("min_arc_rad", min_arc_rad);
+}
+
 template <typename Options>
 void readStage(ConfigFile& file, const std::string& section, Options& options) {
   read(Section(file, section), options);
@@ -144,8 +150,8 @@ void readStage(ConfigFile& file, const std::string& section, Options& options) {
 PlannerOptions readPlannerOptions(ConfigFile& file) {
   PlannerOptions options;
   auto& [validation, scene, clean, completion, decomposition, faces, image, contours, regions, triplets,
-         configurations, contacts, clearance, robot, depth_model, force_closure, merge_distance_m,
-         merge_angle_rad, threads] = options;
+         configurations, contacts, clearance, shapes, robot, depth_model, force_closure, concavity_weight,
+         merge_distance_m, merge_angle_rad, threads] = options;
   readStage(file, "validation", validation);
   readStage(file, "scene", scene);
   readStage(file, "clean", clean);
@@ -159,10 +165,12 @@ PlannerOptions readPlannerOptions(ConfigFile& file) {
   readStage(file, "configurations", configurations);
   readStage(file, "contacts", contacts);
   readStage(file, "clearance", clearance);
+  readStage(file, "shapes", shapes);
   readStage(file, "robot", robot);
   Section planner(file, "planner");
   planner("depth_model", depth_model, {"exact", "linear"})("force_closure", force_closure,
                                                            {"require", "prefer", "ignore"});
+  planner("concavity_weight", concavity_weight);
   planner("merge_distance_m", merge_distance_m)("merge_angle_rad", merge_angle_rad)("threads", threads);
   file.validate("planner", [&] { options.validate(); });
   return options;

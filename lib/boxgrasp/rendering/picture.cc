@@ -96,6 +96,17 @@ Vector3d sideView(const Grasp& grasp) {
   return (-0.85 * R_CP.col(0) - 0.30 * R_CP.col(1) + 0.42 * R_CP.col(2)).normalized();
 }
 
+std::string jointsText(const HandDescription& hand, const HandJoints& joints) {
+  if (hand.prismatic()) {
+    return fmt::format("pads {:.0f} mm apart",
+                       2e3 * (hand.base_radius - hand.slide_per_rad * joints.inner[kF1]));
+  }
+  constexpr double kDegrees = 180 / std::numbers::pi;
+  return fmt::format("spread {:.0f} deg, fingers {:.0f} {:.0f} {:.0f} deg", joints.spread * kDegrees,
+                     joints.inner[kF1] * kDegrees, joints.inner[kF2] * kDegrees,
+                     joints.inner[kThumb] * kDegrees);
+}
+
 cv::Mat3b graspPanel(const PlanResult& result, const PlanTrace& trace, const HandDescription& hand,
                      std::size_t rank, int side_px) {
   const Grasp& grasp = result.grasps[rank];
@@ -114,12 +125,7 @@ cv::Mat3b graspPanel(const PlanResult& result, const PlanTrace& trace, const Han
   drawContacts(canvas, grasp);
   cv::Mat3b image = canvas.image().clone();
   label(image, fmt::format("#{} score {:.3f}", rank + 1, grasp.score), 10, 20);
-  label(image,
-        fmt::format(
-            "spread {:.0f} deg, fingers {:.0f} {:.0f} {:.0f} deg",
-            grasp.joints.spread * 180 / std::numbers::pi, grasp.joints.inner[0] * 180 / std::numbers::pi,
-            grasp.joints.inner[1] * 180 / std::numbers::pi, grasp.joints.inner[2] * 180 / std::numbers::pi),
-        10, 40, 0.4);
+  label(image, jointsText(hand, grasp.joints), 10, 40, 0.4);
   return image;
 }
 

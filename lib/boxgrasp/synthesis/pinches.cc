@@ -102,7 +102,10 @@ class PinchSearch {
     Triplet pinch;
     pinch.regions = {right, left, thumb};
     pinch.points_F = {p1.pointAt(t + half_m_), p2.pointAt(t - half_m_), p3.pointAt(t)};
-    for (int i = 0; i < 3; ++i) pinch.normals_F[i] = regions_[pinch.regions[i]].normal_F;
+    for (int i = 0; i < 3; ++i) {
+      pinch.normals_F[i] = regions_[pinch.regions[i]].normal_F;
+      pinch.turn_rad[i] = regions_[pinch.regions[i]].turn_rad;
+    }
     const Vector2d between = 0.5 * (pinch.points_F[0] + pinch.points_F[1]);
     const double width = (between - pinch.points_F[2]).dot(against.normal_F);
     if (width <= 0.0) return;

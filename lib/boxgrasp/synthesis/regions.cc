@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 
 #include "boxgrasp/base/error.h"
@@ -183,6 +184,12 @@ class Breaker {
   std::vector<double> arc_, load_;
 };
 
+// Each point's bending is that over k steps to either side, so that every step counts k times.
+double turnAlong(const Run& run, int first, int last, int k) {
+  const auto at = [&](int i) { return run.kappa.begin() + i; };
+  return std::accumulate(at(first), at(last), 0.0) / k;
+}
+
 // The chord as a region; nullopt for a chord of no length, which has no direction.
 std::optional<Region> regionBetween(const Vector2d& a_F, const Vector2d& b_F) {
   const double length = (b_F - a_F).norm();
@@ -222,6 +229,7 @@ std::vector<Region> findRegions(const std::vector<Contour>& contours, const Regi
         if (!region) continue;
         region->kind = contours[c].kind;
         region->contour = static_cast<int>(c);
+        region->turn_rad = turnAlong(run, first, last, options.k);
         regions.push_back(*region);
       }
     }

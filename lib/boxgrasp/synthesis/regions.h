@@ -36,6 +36,7 @@ struct Region {
   Vector2d normal_F{0, 0};  // unit, into the material
   ContourKind kind = ContourKind::outer;
   int contour = -1;
+  double turn_rad = 0.0;  // of the contour along the region: positive where the material is convex
   double length() const { return (b_F - a_F).norm(); }
 };
 

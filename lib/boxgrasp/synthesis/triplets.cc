@@ -176,6 +176,7 @@ class Search {
       const Region& region = regions_[indices[finger]];
       triplet.points_F[finger] = footOn(region, focus_F, options_.end_margin_m);
       triplet.normals_F[finger] = region.normal_F;
+      triplet.turn_rad[finger] = region.turn_rad;
     }
     return triplet;
   }

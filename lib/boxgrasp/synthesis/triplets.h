@@ -32,6 +32,7 @@ struct Triplet {
   double focus_area_m2 = -1.0;  // of the intersection of the three regions' union friction cones
   std::array<Vector2d, 3> points_F{};
   std::array<Vector2d, 3> normals_F{};  // unit, into the material
+  std::array<double, 3> turn_rad{};     // of the contour along the points' regions: positive where convex
   std::array<double, 3> nearest_depth_m{
       -1, -1, -1};  // depth of the surface's upper edge at each point (d_i of Eq. 4): 2 pixels inside
                     // the contour, or where the surface begins along the normal

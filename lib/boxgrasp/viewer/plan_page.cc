@@ -67,7 +67,7 @@ Json cloudJson(const PointCloud& cloud, const std::vector<std::uint8_t>& group, 
           {"leaf_uint8", base64(groups)}};
 }
 
-Json boxJson(const BoxNode& node) {
+Json boxJson(const BoxNode& node, const BoxShape& shape) {
   Json json = poseJson(node.box.X_CB);
   json["extents_m"] = vectorJson(node.box.extents);
   json["parent"] = node.parent;
@@ -76,12 +76,15 @@ Json boxJson(const BoxNode& node) {
   json["points"] = node.points.size();
   json["theta"] = node.theta;
   json["stop_reason"] = node.stop_reason;
+  json["shape"] = describe(shape.kind);
+  json["radius_m"] = shape.radius_m;
   return json;
 }
 
 Json objectJson(const PlannedObject& object, const ViewerOptions& options) {
   Json boxes = Json::array();
-  for (const BoxNode& node : object.tree.nodes) boxes.push_back(boxJson(node));
+  const auto& nodes = object.tree.nodes;
+  for (std::size_t i = 0; i < nodes.size(); ++i) boxes.push_back(boxJson(nodes[i], object.shapeOf(i)));
   return {{"cloud", cloudJson(object.cloud_C, leafOfPoints(object), options.max_points)}, {"boxes", boxes}};
 }
 

@@ -260,5 +260,20 @@ TEST(Regions, BadOptionsAreNamed) {
   }
 }
 
+// Of a disc's outline they turn with the material, of a hole's against it, by the arc over the radius.
+TEST(Regions, TellHowFarTheOutlineTurnsAlongThem) {
+  for (const double radius_m : {0.03, 0.06, 0.15}) {
+    const Contour outline = circleContour(radius_m);
+    for (const auto& [contour, sign] : {std::pair(outline, 1.0), std::pair(reversed(outline), -1.0)}) {
+      const auto regions = findRegions({contour});
+      ASSERT_FALSE(regions.empty());
+      for (const Region& region : regions) {
+        const double turn = 2 * std::asin(0.5 * region.length() / radius_m);
+        EXPECT_NEAR(region.turn_rad, sign * turn, 0.08 * turn + kPixel_m / radius_m) << "radius " << radius_m;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace boxgrasp

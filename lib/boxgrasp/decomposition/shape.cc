@@ -1,0 +1,235 @@
+#include "boxgrasp/decomposition/shape.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "boxgrasp/base/error.h"
+
+namespace boxgrasp {
+namespace {
+
+constexpr int kCells = 10;        // along each edge of the six sides that the directions are counted on
+constexpr double kTrusted = 0.8;  // share of the points that residuals are taken over
+constexpr double kMiddle = 0.8;   // share of a cylinder's length that is sure to be its side
+constexpr double kTukey = 4.685;  // of the weights, in standard deviations
+constexpr double kToDeviation = 1.4826;              // from the median distance
+constexpr int kRounds = 20;                          // of the fit; it has settled long before
+constexpr double kRounding_m = 1e-6;                 // a scale of distances below this is as good as none
+constexpr int kSectors = 36;                         // in which arcs are counted
+constexpr double kLeastSize = 0.4, kMostSize = 1.2;  // diameter in shares of the box's widest extent across
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+double trimmedRms(std::vector<double> distances) {
+  const auto n =
+      std::max<std::size_t>(1, static_cast<std::size_t>(kTrusted * static_cast<double>(distances.size())));
+  std::sort(distances.begin(), distances.end());
+  double sum = 0.0;
+  for (std::size_t i = 0; i < n; ++i) sum += distances[i] * distances[i];
+  return std::sqrt(sum / static_cast<double>(n));
+}
+
+// A circle (2 dimensions) or a sphere (3).
+template <int Dim>
+struct Ball {
+  using Point = Eigen::Matrix<double, Dim, 1>;
+  Point center = Point::Zero();
+  double radius = 0.0;
+  double distance(const Point& p) const { return std::abs((p - center).norm() - radius); }
+};
+
+// Of least squared distances, weighed by Tukey's function of them; nullopt where points do not determine it.
+template <int Dim>
+std::optional<Ball<Dim>> fitBall(const std::vector<typename Ball<Dim>::Point>& points, double start_radius) {
+  using Row = Eigen::Matrix<double, Dim + 1, 1>;
+  Ball<Dim> ball{Ball<Dim>::Point::Zero(), start_radius};
+  for (int round = 0; round < kRounds; ++round) {
+    std::vector<double> distances;
+    for (const auto& p : points) distances.push_back(ball.distance(p));
+    const double bound = kTukey * std::max(kRounding_m, kToDeviation * median(distances));
+    Eigen::Matrix<double, Dim + 1, Dim + 1> normal = Eigen::Matrix<double, Dim + 1, Dim + 1>::Zero();
+    Row right = Row::Zero();
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double ratio = distances[i] / bound, length = (points[i] - ball.center).norm();
+      if (ratio >= 1.0 || length == 0.0) continue;
+      Row row;
+      row << (points[i] - ball.center) / length, 1.0;
+      const double weight = (1 - ratio * ratio) * (1 - ratio * ratio);
+      normal += weight * row * row.transpose();
+      right += weight * (length - ball.radius) * row;
+    }
+    const Eigen::LDLT<decltype(normal)> solver(normal);
+    if (!solver.isPositive() || solver.rcond() < 1e-6) return std::nullopt;
+    const Row step = solver.solve(right);
+    ball.center += step.template head<Dim>();
+    ball.radius += step[Dim];
+  }
+  return ball.radius > 0 && ball.center.allFinite() ? std::optional(ball) : std::nullopt;
+}
+
+// The points that count, in B.
+std::vector<Vector3d> outermost(const PointCloud& cloud_C, const std::vector<std::uint32_t>& points,
+                                const OrientedBox& box) {
+  struct Cell {
+    double out = 0.0;
+    Vector3d p_B = Vector3d::Zero();
+  };
+  std::vector<Cell> cells(6 * kCells * kCells);
+  const Pose X_BC = box.X_CB.inverse();
+  for (const std::uint32_t i : points) {
+    const Vector3d p_B = X_BC * cloud_C.point(i), d = 2 * p_B.cwiseQuotient(box.extents);
+    int axis = 0;
+    const double out = d.cwiseAbs().maxCoeff(&axis);
+    if (out <= 0) continue;
+    const auto cellAt = [&](double share) {
+      return std::clamp(static_cast<int>((share / out + 1) / 2 * kCells), 0, kCells - 1);
+    };
+    const int side = 2 * axis + (d[axis] > 0);
+    Cell& cell = cells[static_cast<std::size_t>((side * kCells + cellAt(d[(axis + 1) % 3])) * kCells +
+                                                cellAt(d[(axis + 2) % 3]))];
+    if (out > cell.out) cell = {out, p_B};
+  }
+  std::vector<Vector3d> kept;
+  for (const Cell& cell : cells) {
+    if (cell.out > 0) kept.push_back(cell.p_B);
+  }
+  return kept;
+}
+
+double boxResidual(const std::vector<Vector3d>& points_B, const OrientedBox& box) {
+  std::vector<double> distances;
+  for (const Vector3d& p : points_B)
+    distances.push_back((0.5 * box.extents - p.cwiseAbs()).cwiseAbs().minCoeff());
+  return trimmedRms(std::move(distances));
+}
+
+// The angle around the centre that points near the circle cover.
+double arcOf(const std::vector<Vector2d>& points, const Ball<2>& circle) {
+  std::array<bool, kSectors> covered{};
+  for (const Vector2d& p : points) {
+    if (circle.distance(p) > 0.1 * circle.radius) continue;
+    const Vector2d d = p - circle.center;
+    const double turn = (std::atan2(d.y(), d.x()) + std::numbers::pi) / (2 * std::numbers::pi);
+    covered[static_cast<std::size_t>(std::clamp(static_cast<int>(turn * kSectors), 0, kSectors - 1))] = true;
+  }
+  return 2 * std::numbers::pi / kSectors *
+         static_cast<double>(std::count(covered.begin(), covered.end(), true));
+}
+
+bool fitsInto(double radius, double widest) {
+  return 2 * radius >= kLeastSize * widest && 2 * radius <= kMostSize * widest;
+}
+
+void tryCylinder(const std::vector<Vector3d>& points_B, const OrientedBox& box, int axis,
+                 const ShapeOptions& options, BoxShape& best) {
+  const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+  const double half = 0.5 * box.extents[axis], widest = std::max(box.extents[u], box.extents[v]);
+  std::vector<Vector2d> side;
+  for (const Vector3d& p : points_B) {
+    if (std::abs(p[axis]) < kMiddle * half) side.emplace_back(p[u], p[v]);
+  }
+  if (static_cast<int>(side.size()) < options.min_cells / 2) return;
+  const auto circle = fitBall<2>(side, 0.5 * widest);
+  if (!circle || !fitsInto(circle->radius, widest) || arcOf(side, *circle) < options.min_arc_rad) return;
+  std::vector<double> distances;
+  for (const Vector3d& p : points_B)
+    distances.push_back(std::min(circle->distance({p[u], p[v]}), std::abs(half - std::abs(p[axis]))));
+  const double residual = trimmedRms(std::move(distances));
+  if (residual >= best.residual_m[1]) return;
+  Vector3d center_B = Vector3d::Zero();
+  center_B[u] = circle->center.x();
+  center_B[v] = circle->center.y();
+  best.residual_m[1] = residual;
+  best.center_C = box.X_CB * center_B;
+  best.axis_C = box.X_CB.linear().col(axis);
+  best.radius_m = circle->radius;
+}
+
+struct Sphere {
+  Ball<3> ball;
+  double residual_m;
+};
+
+std::optional<Sphere> sphereIn(const std::vector<Vector3d>& points_B, const OrientedBox& box,
+                               const ShapeOptions& options) {
+  const double widest = box.extents.maxCoeff();
+  const auto ball = fitBall<3>(points_B, 0.5 * widest);
+  if (!ball || !fitsInto(ball->radius, widest)) return std::nullopt;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<Vector2d> belt;
+    for (const Vector3d& p : points_B) {
+      const Vector3d d = p - ball->center;
+      if (std::abs(d[axis]) < 0.5 * ball->radius)
+        belt.push_back(Vector2d(d[(axis + 1) % 3], d[(axis + 2) % 3]).normalized());
+    }
+    if (arcOf(belt, {Vector2d::Zero(), 1.0}) < options.min_arc_rad) return std::nullopt;
+  }
+  std::vector<double> distances;
+  for (const Vector3d& p : points_B) distances.push_back(ball->distance(p));
+  return Sphere{*ball, trimmedRms(std::move(distances))};
+}
+
+}  // namespace
+
+std::string_view describe(ShapeKind kind) {
+  switch (kind) {
+    case ShapeKind::box:
+      return "box";
+    case ShapeKind::cylinder:
+      return "cylinder";
+    case ShapeKind::sphere:
+      return "sphere";
+  }
+  return "unknown";
+}
+
+void ShapeOptions::validate() const {
+  requireOption(min_cells >= 10 && min_cells <= 600, "shapes.min_cells", min_cells, "in [10, 600]");
+  requireOption(max_residual_share > 0 && max_residual_share <= 1, "shapes.max_residual_share",
+                max_residual_share, "in (0, 1]");
+  requireOption(min_arc_rad > 0 && min_arc_rad <= 2 * std::numbers::pi, "shapes.min_arc_rad", min_arc_rad,
+                "in (0, 2 pi]");
+}
+
+BoxShape shapeOf(const PointCloud& cloud_C, const std::vector<std::uint32_t>& points, const OrientedBox& box,
+                 const ShapeOptions& options) {
+  options.validate();
+  BoxShape shape{.center_C = box.X_CB.translation()};
+  const std::vector<Vector3d> points_B = outermost(cloud_C, points, box);
+  if (static_cast<int>(points_B.size()) < options.min_cells) return shape;
+  shape.residual_m[0] = boxResidual(points_B, box);
+  for (int axis = 0; axis < 3; ++axis) tryCylinder(points_B, box, axis, options, shape);
+  const auto sphere = sphereIn(points_B, box, options);
+  if (sphere) shape.residual_m[2] = sphere->residual_m;
+  const double most = options.max_residual_share * shape.residual_m[0];
+  if (sphere && sphere->residual_m < shape.residual_m[1] && sphere->residual_m < most) {
+    shape.kind = ShapeKind::sphere;
+    shape.center_C = box.X_CB * sphere->ball.center;
+    shape.axis_C.setZero();
+    shape.radius_m = sphere->ball.radius;
+  } else if (shape.residual_m[1] < most) {
+    shape.kind = ShapeKind::cylinder;
+  } else {
+    shape.center_C = box.X_CB.translation();
+    shape.axis_C.setZero();
+    shape.radius_m = 0.0;
+  }
+  return shape;
+}
+
+std::vector<BoxShape> shapesOf(const PointCloud& cloud_C, const BoxTree& tree, const ShapeOptions& options) {
+  std::vector<BoxShape> shapes;
+  for (const BoxNode& node : tree.nodes)
+    shapes.push_back(node.leaf() ? shapeOf(cloud_C, node.points, node.box, options)
+                                 : BoxShape{.center_C = node.box.X_CB.translation()});
+  return shapes;
+}
+
+}  // namespace boxgrasp
