@@ -93,19 +93,38 @@ double togetherTime(Served& bench, const PointCloud& cloud, int count) {
   return secondsSince(start);
 }
 
-// One and two are measured in turn, so that whatever else the machine does falls on both.
+// Seconds for as many plain loops at once: what the machine gives at all.
+double loopTime(int count) {
+  const auto loop = [] {
+    volatile double sum = 0;
+    for (int i = 0; i < 100'000'000; ++i) sum = sum + i;
+  };
+  const auto start = Clock::now();
+  std::vector<std::jthread> threads;
+  for (int i = 0; i < count; ++i) threads.emplace_back(loop);
+  threads.clear();
+  return secondsSince(start);
+}
+
+// One and two are measured in turn, so that whatever else the machine does falls on both; and so are plain
+// loops, since a busy machine has no two cores to give.
 void measurePair(const CommandLine& line, Report& report) {
   Served bench(line.server, kOneThread, {"--workers", "2"});
   const PointCloud cloud = cup(line.quick ? 20'000 : 100'000);
   togetherTime(bench, cloud, 2);
-  std::vector<double> ones, twos;
+  std::vector<double> ones, twos, loops;
   for (int i = 0; i < (line.quick ? 5 : 20); ++i) {
     ones.push_back(togetherTime(bench, cloud, 1));
     twos.push_back(togetherTime(bench, cloud, 2));
+    loops.push_back(loopTime(2) / loopTime(1));
   }
+  const double ratio = median(twos) / median(ones);
   report.add("pair", "one request, median", 1e3 * median(ones), "ms");
   report.add("pair", "two at once, median", 1e3 * median(twos), "ms");
-  report.add("pair", "two at once against one", median(twos) / median(ones), "times", line.quick ? NAN : 1.2);
+  report.add("pair", "two at once against one", ratio, "times");
+  report.add("pair", "two plain loops against one, median", median(loops), "times");
+  report.add("pair", "two at once against one, beyond the loops'", ratio / median(loops), "times",
+             line.quick ? NAN : 1.2);
 }
 
 void measureCores(const CommandLine& line, Report& report) {
