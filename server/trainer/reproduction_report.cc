@@ -279,8 +279,8 @@ std::string Report::stability() const {
              "and 0.9 mean "
              "the same for objects of every size. With this scale volumes are well below 1 and the bound 0.9 "
              "on V never "
-             "decides: the bound on D does. Our objects are parametric likenesses of theirs (a teapot for "
-             "Homer). An object that is one box is trivially similar, so boxes stand "
+             "decides: the bound on D does. Our objects are parametric likenesses of theirs. An object that "
+             "is one box is trivially similar, so boxes stand "
              "beside each share.");
 }
 

@@ -62,8 +62,7 @@ bool holdsPoints(const fs::path& file) {
   return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
 }
 
-// The 17 of the paper are 'builtin' here; a teapot stands in for Homer, of whom there is no parametric
-// likeness.
+// 'builtin' are the 17 of the paper here.
 std::vector<Source> sourcesIn(const std::string& objects) {
   std::vector<Source> sources;
   if (const auto parametric = parametricSet(objects == "builtin" ? "paper" : objects, {1.0})) {
