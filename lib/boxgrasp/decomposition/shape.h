@@ -16,8 +16,8 @@ std::string_view describe(ShapeKind kind);
 
 struct ShapeOptions {
   // Grasps on a round face are put where the fitted circle says rather than the chords of its outline: the
-  // fingers against each other through the axis, with its normals. More grasps on cups and cans are then
-  // clear; of the best ones as many hold as without. false: shapes are told, and not used.
+  // fingers against each other through the axis, with its normals. A cup gets more clear grasps, a can
+  // fewer; of the best ones as many hold as without. false: shapes are told, and not used.
   bool snap = false;
   // A leaf with fewer surface cells that hold a point is a box: too little is known of it.
   int min_cells = 60;
