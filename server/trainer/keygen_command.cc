@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "boxgrasp/registry/signing.h"
 
 namespace boxgrasp {
@@ -9,6 +11,14 @@ namespace boxgrasp {
 void runKeygen(const KeygenCommand& command) {
   const SigningKey key = SigningKey::generate();
   key.write(command.out);
+  if (command.json) {
+    fmt::print("{}\n", nlohmann::ordered_json{{"schema", 1},
+                                              {"public_key", hexOf(key.publicKey())},
+                                              {"public_key_file", command.out.string() + ".pub"},
+                                              {"secret_key_file", command.out.string()}}
+                           .dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+    return;
+  }
   fmt::print(
       "public key {0} written to {1}.pub: copy it into the server's folder of trusted keys "
       "(boxgrasp-server --trusted-keys FOLDER)\n"

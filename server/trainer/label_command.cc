@@ -6,6 +6,7 @@
 #include <chrono>
 #include <map>
 #include <mutex>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "boxgrasp/base/error.h"
@@ -262,6 +263,16 @@ void Labeller::labelAll() {
 void Labeller::report() const {
   for (const auto& [index, why] : refusals_) {
     fmt::print(stderr, "left out: {} at scale {}: {}\n", objects_[index].name, objects_[index].scale, why);
+  }
+  if (command_.json) {
+    fmt::print("{}\n", nlohmann::ordered_json{{"schema", 1},
+                                              {"store", command_.out.string()},
+                                              {"labels_added", done_},
+                                              {"time_s", time_s_},
+                                              {"objects", objects_.size()},
+                                              {"left_out", refusals_.size()}}
+                           .dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+    return;
   }
   fmt::print("{} labels added", done_);
   if (done_ > 0) fmt::print(" in {:.0f} s, {:.1f} a second", time_s_, static_cast<double>(done_) / time_s_);

@@ -11,9 +11,9 @@
 namespace boxgrasp {
 
 struct LabelCommand {
-  std::string objects = "builtin";  // or "paper", or a folder of meshes
+  std::string objects = "builtin";            // or "paper", or a folder of meshes
   std::optional<std::filesystem::path> hand;  // else the Barrett hand
-  std::filesystem::path out;        // the experience store; what it holds already is not labelled again
+  std::filesystem::path out;  // the experience store; what it holds already is not labelled again
   std::vector<double> scales{0.75, 1.0, 1.5};
   double unit_m = 1.0;         // of the meshes' coordinates
   double target_size_m = 0.0;  // longest side of a mesh; 0: as its file says
@@ -29,6 +29,7 @@ struct LabelCommand {
   std::string shard;  // "i/n": every n-th (object, scale), from the i-th on, i = 0 .. n - 1
   std::uint64_t seed = 1;
   int threads = 0;
+  bool json = false;
 };
 
 // Labels what is missing. On Ctrl-C it finishes the batch at hand and says how to go on. Objects that cannot

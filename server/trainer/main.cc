@@ -132,6 +132,7 @@ void addQuality(CLI::App& app, QualityCommand& command) {
 void addKeygen(CLI::App& app, KeygenCommand& command) {
   app.add_option("--out", command.out, "file for the secret key; the public one goes beside it, with '.pub'")
       ->capture_default_str();
+  app.add_flag("--json", command.json, "print the public key and the files as JSON");
 }
 
 void addPublish(CLI::App& app, PublishCommand& command) {
@@ -290,11 +291,13 @@ void addLabel(CLI::App& app, LabelCommand& command) {
   app.add_option("--seed", command.seed, "of sampling, cameras and perturbations")->capture_default_str();
   app.add_option("--threads", command.threads, "0 = all cores; the labels do not depend on it")
       ->capture_default_str();
+  app.add_flag("--json", command.json, "print the counts as JSON");
 }
 
 void addMerge(CLI::App& app, MergeCommand& command) {
   app.add_option("out", command.out, "the store to add to; it is made where there is none")->required();
   app.add_option("shards", command.shards, "the stores to add")->required();
+  app.add_flag("--json", command.json, "print the counts as JSON");
 }
 
 void addSummary(CLI::App& app, SummaryCommand& command) {
@@ -324,6 +327,8 @@ ObjectsApps addObjects(CLI::App& app, ObjectsCommand& command) {
                          app.add_subcommand("fetch", "take meshes from Debian's packages"),
                          app.add_subcommand("view", "draw an object and what a depth camera sees of it")};
   for (CLI::App* one : {apps.list, apps.check, apps.view}) addObjectSet(*one, command);
+  for (CLI::App* one : {apps.list, apps.check})
+    one->add_flag("--json", command.json, "print the rows as JSON");
   apps.fetch->add_option("folder", command.folder, "where the meshes go")->capture_default_str();
   apps.view->add_option("name", command.name, "one of the objects")->required();
   apps.view->add_option("--out", command.out, "the picture to write, PNG")->capture_default_str();

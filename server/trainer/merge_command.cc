@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "boxgrasp/store/experience_store.h"
 
 namespace boxgrasp {
@@ -15,6 +17,17 @@ void runMerge(const MergeCommand& command) {
     sum.models += added.models;
     sum.hypotheses += added.hypotheses;
     sum.labels += added.labels;
+  }
+  if (command.json) {
+    fmt::print("{}\n", nlohmann::ordered_json{{"schema", 1},
+                                              {"store", command.out.string()},
+                                              {"stores", command.shards.size()},
+                                              {"models", sum.models},
+                                              {"hypotheses", sum.hypotheses},
+                                              {"labels", sum.labels},
+                                              {"content", out.contentHash()}}
+                           .dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+    return;
   }
   fmt::print("added {} models, {} hypotheses and {} labels of {} stores to {}\ncontent {}\n", sum.models,
              sum.hypotheses, sum.labels, command.shards.size(), command.out.string(), out.contentHash());

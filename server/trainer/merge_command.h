@@ -9,6 +9,7 @@ namespace boxgrasp {
 struct MergeCommand {
   std::filesystem::path out;
   std::vector<std::filesystem::path> shards;
+  bool json = false;
 };
 
 // Adds to the store what it does not hold; merging again changes nothing. Throws InputError for stores of

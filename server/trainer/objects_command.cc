@@ -7,6 +7,7 @@
 
 #include <fstream>
 #include <iterator>
+#include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
 #include "boxgrasp/base/error.h"
@@ -20,6 +21,7 @@ namespace boxgrasp {
 namespace {
 
 namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
 
 std::vector<ObjectSource> sourcesOf(const ObjectsCommand& command) {
   if (const auto parametric = parametricSet(command.objects, command.scales)) return *parametric;
@@ -151,30 +153,65 @@ cv::Mat3b cloudPicture(const TriangleMesh& mesh, const NamedPose& view) {
   return image;
 }
 
+// --- list, check
+
+void print(const Json& json) { fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace)); }
+
+// What a mesh is like, or why it is refused.
+Json checked(const ObjectSource& source) {
+  Json row{{"object", source.name}, {"scale", source.scale}};
+  try {
+    const LoadedObject object = loadObject(source);
+    const Vector3d size = sizesOf(object.mesh_O);
+    row["size_m"] = {size.x(), size.y(), size.z()};
+    row["volume_m3"] = object.solid.volume;
+    row["triangles"] = object.mesh_O.triangles.size();
+    row["repairs"] = object.repairs;
+  } catch (const InputError& error) {
+    row["refused"] = error.what();
+  }
+  return row;
+}
+
+void printRow(const Json& row) {
+  const std::string name =
+      fmt::format("{}@{:.2f}", row["object"].get<std::string>(), row["scale"].get<double>());
+  if (row.contains("refused")) {
+    fmt::print("{:<20} refused: {}\n", name, row["refused"].get<std::string>());
+    return;
+  }
+  const auto size_m = row["size_m"].get<std::vector<double>>();
+  fmt::print("{:<20} {:>4.0f} x {:>3.0f} x {:>3.0f} mm  {:>7.1f} ml  {:>6} triangles  {}\n", name,
+             1e3 * size_m[0], 1e3 * size_m[1], 1e3 * size_m[2], 1e6 * row["volume_m3"].get<double>(),
+             row["triangles"].get<std::size_t>(),
+             fmt::join(row["repairs"].get<std::vector<std::string>>(), "; "));
+}
+
 }  // namespace
 
 void listObjects(const ObjectsCommand& command) {
-  for (const ObjectSource& source : sourcesOf(command))
-    fmt::print("{}@{:.2f}{}{}\n", source.name, source.scale, source.file.empty() ? "" : "  ",
-               source.file.string());
+  Json rows = Json::array();
+  for (const ObjectSource& source : sourcesOf(command)) {
+    rows.push_back({{"object", source.name}, {"scale", source.scale}, {"file", source.file.string()}});
+    if (!command.json)
+      fmt::print("{}@{:.2f}{}{}\n", source.name, source.scale, source.file.empty() ? "" : "  ",
+                 source.file.string());
+  }
+  if (command.json) print({{"schema", 1}, {"objects", rows}});
 }
 
 int checkObjects(const ObjectsCommand& command) {
-  std::size_t refused = 0, all = 0;
+  Json rows = Json::array();
+  std::size_t refused = 0;
   for (const ObjectSource& source : sourcesOf(command)) {
-    ++all;
-    try {
-      const LoadedObject object = loadObject(source);
-      const Vector3d size = 1000.0 * sizesOf(object.mesh_O);
-      fmt::print("{:<20} {:>4.0f} x {:>3.0f} x {:>3.0f} mm  {:>7.1f} ml  {:>6} triangles  {}\n",
-                 fmt::format("{}@{:.2f}", source.name, source.scale), size.x(), size.y(), size.z(),
-                 1e6 * object.solid.volume, object.mesh_O.triangles.size(), fmt::join(object.repairs, "; "));
-    } catch (const InputError& error) {
-      ++refused;
-      fmt::print("{:<20} refused: {}\n", fmt::format("{}@{:.2f}", source.name, source.scale), error.what());
-    }
+    rows.push_back(checked(source));
+    refused += rows.back().contains("refused");
+    if (!command.json) printRow(rows.back());
   }
-  fmt::print("{} of {} objects can be simulated\n", all - refused, all);
+  if (command.json)
+    print({{"schema", 1}, {"objects", rows}});
+  else
+    fmt::print("{} of {} objects can be simulated\n", rows.size() - refused, rows.size());
   return refused == 0 ? kDone : kNothingFound;
 }
 

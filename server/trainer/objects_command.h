@@ -15,6 +15,7 @@ struct ObjectsCommand {
   std::filesystem::path folder = "objects";  // fetch: where the meshes go
   std::string name;                          // view: one of the objects
   std::filesystem::path out = "object.png";  // view: the picture
+  bool json = false;                         // list, check
 };
 
 // Prints the name and scale of each object.

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <csignal>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "boxgrasp/objects/parametric.h"
@@ -119,6 +120,28 @@ TEST_F(Label, ShardsMakeTheWhole) {
   EXPECT_EQ(hashOf(folder / "merged.db"), hashOf(folder / "whole.db"));
   ASSERT_EQ(run(merge).code, 0);
   EXPECT_EQ(hashOf(folder / "merged.db"), hashOf(folder / "whole.db")) << "merging twice changes nothing";
+}
+
+TEST_F(Label, SaysInJsonWhatItDid) {
+  std::vector<std::string> labelling = line(folder / "one.db", 6, {"--json"});
+  const nlohmann::json labelled = nlohmann::json::parse(run(labelling).out);
+  EXPECT_EQ(labelled["schema"], 1);
+  EXPECT_EQ(labelled["labels_added"], 6);
+  const nlohmann::json merged = nlohmann::json::parse(
+      run({BOXGRASP_TRAINER, "merge", folder / "all.db", folder / "one.db", "--json"}).out);
+  EXPECT_EQ(merged["labels"], 6);
+  EXPECT_EQ(merged["content"], hashOf(folder / "one.db"));
+  writeMesh("whole.off", 0);
+  writeMesh("open.off", 1);
+  const Finished checked =
+      run({BOXGRASP_TRAINER, "objects", "check", "--objects", folder / "meshes", "--json"});
+  EXPECT_EQ(checked.code, 1) << "one of them is refused";
+  const nlohmann::json rows = nlohmann::json::parse(checked.out)["objects"];
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[0].contains("refused") + rows[1].contains("refused"), 1) << rows.dump();
+  const nlohmann::json key =
+      nlohmann::json::parse(run({BOXGRASP_TRAINER, "keygen", "--out", folder / "k.key", "--json"}).out);
+  EXPECT_EQ(key["public_key"].get<std::string>().size(), 64u);
 }
 
 TEST_F(Label, OtherSettingsDoNotMix) {
