@@ -12,6 +12,7 @@
 #include "boxgrasp/training/stability.h"
 #include "interruption.h"
 #include "left_out.h"
+#include "print_json.h"
 #include "tried_object.h"
 
 namespace boxgrasp {
@@ -125,7 +126,7 @@ void runDraw(const DrawCommand& command) {
   writePlanPicture(plan, trace, planning.hand, command.out,
                    {.panel_px = 320, .grasps = command.grasps, .face_images = 0, .title = what});
   if (command.json)
-    fmt::print("{}\n", jsonOf(plan, what).dump(2));
+    printJson(jsonOf(plan, what));
   else
     fmt::print("{}: {}; picture written to {}\n", what, plan.message, command.out.string());
 }
@@ -149,7 +150,7 @@ void runConstellations(const ConstellationsCommand& command) {
   cv::vconcat(rows, all);
   writePng(all, command.out);
   if (command.json)
-    fmt::print("{}\n", report.dump(2));
+    printJson(report);
   else
     fmt::print("{} splits, {} values of t; picture written to {}\n", rows.size(), command.gains.size(),
                command.out.string());

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "boxgrasp/registry/signing.h"
+#include "print_json.h"
 
 namespace boxgrasp {
 
@@ -12,11 +13,10 @@ void runKeygen(const KeygenCommand& command) {
   const SigningKey key = SigningKey::generate();
   key.write(command.out);
   if (command.json) {
-    fmt::print("{}\n", nlohmann::ordered_json{{"schema", 1},
-                                              {"public_key", hexOf(key.publicKey())},
-                                              {"public_key_file", command.out.string() + ".pub"},
-                                              {"secret_key_file", command.out.string()}}
-                           .dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+    printJson(nlohmann::ordered_json{{"schema", 1},
+                                     {"public_key", hexOf(key.publicKey())},
+                                     {"public_key_file", command.out.string() + ".pub"},
+                                     {"secret_key_file", command.out.string()}});
     return;
   }
   fmt::print(

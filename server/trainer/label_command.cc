@@ -18,6 +18,7 @@
 #include "boxgrasp/training/labelling.h"
 #include "boxgrasp/training/sights.h"
 #include "interruption.h"
+#include "print_json.h"
 #include "progress_bar.h"
 #include "tried_object.h"
 
@@ -265,13 +266,12 @@ void Labeller::report() const {
     fmt::print(stderr, "left out: {} at scale {}: {}\n", objects_[index].name, objects_[index].scale, why);
   }
   if (command_.json) {
-    fmt::print("{}\n", nlohmann::ordered_json{{"schema", 1},
-                                              {"store", command_.out.string()},
-                                              {"labels_added", done_},
-                                              {"time_s", time_s_},
-                                              {"objects", objects_.size()},
-                                              {"left_out", refusals_.size()}}
-                           .dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+    printJson(nlohmann::ordered_json{{"schema", 1},
+                                     {"store", command_.out.string()},
+                                     {"labels_added", done_},
+                                     {"time_s", time_s_},
+                                     {"objects", objects_.size()},
+                                     {"left_out", refusals_.size()}});
     return;
   }
   fmt::print("{} labels added", done_);

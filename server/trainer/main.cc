@@ -2,6 +2,13 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <type_traits>
+#include <utility>
+#include <vector>
 
 #include "boxgrasp/base/error.h"
 #include "boxgrasp/base/exit_code.h"
@@ -305,11 +312,6 @@ void addSummary(CLI::App& app, SummaryCommand& command) {
   app.add_flag("--json", command.json, "print the summary as JSON");
 }
 
-// Commands of their own below `objects`.
-struct ObjectsApps {
-  CLI::App *list, *check, *fetch, *view;
-};
-
 void addObjectSet(CLI::App& app, ObjectsCommand& command) {
   app.add_option("--objects", command.objects, "'builtin', 'paper' (its Table I), or a folder of meshes")
       ->capture_default_str();
@@ -320,27 +322,120 @@ void addObjectSet(CLI::App& app, ObjectsCommand& command) {
       ->capture_default_str();
 }
 
-ObjectsApps addObjects(CLI::App& app, ObjectsCommand& command) {
-  app.require_subcommand(1);
-  const ObjectsApps apps{app.add_subcommand("list", "print the names of a set"),
-                         app.add_subcommand("check", "load each object and say what is wrong with it"),
-                         app.add_subcommand("fetch", "take meshes from Debian's packages"),
-                         app.add_subcommand("view", "draw an object and what a depth camera sees of it")};
-  for (CLI::App* one : {apps.list, apps.check, apps.view}) addObjectSet(*one, command);
-  for (CLI::App* one : {apps.list, apps.check})
-    one->add_flag("--json", command.json, "print the rows as JSON");
-  apps.fetch->add_option("folder", command.folder, "where the meshes go")->capture_default_str();
-  apps.view->add_option("name", command.name, "one of the objects")->required();
-  apps.view->add_option("--out", command.out, "the picture to write, PNG")->capture_default_str();
-  return apps;
+void addObjectRows(CLI::App& app, ObjectsCommand& command) {
+  addObjectSet(app, command);
+  app.add_flag("--json", command.json, "print the rows as JSON");
 }
 
-int runObjects(const ObjectsApps& apps, const ObjectsCommand& command) {
-  if (apps.list->parsed()) listObjects(command);
-  if (apps.check->parsed()) return checkObjects(command);
-  if (apps.fetch->parsed()) fetchObjects(command);
-  if (apps.view->parsed()) viewObject(command);
-  return kDone;
+void addObjectsFetch(CLI::App& app, ObjectsCommand& command) {
+  app.add_option("folder", command.folder, "where the meshes go")->capture_default_str();
+}
+
+void addObjectsView(CLI::App& app, ObjectsCommand& command) {
+  addObjectSet(app, command);
+  app.add_option("name", command.name, "one of the objects")->required();
+  app.add_option("--out", command.out, "the picture to write, PNG")->capture_default_str();
+}
+
+// The commands below a program or another command: what each takes from the line, and what it does.
+class Commands {
+ public:
+  explicit Commands(CLI::App& parent) : parent_(parent) { parent_.require_subcommand(1); }
+
+  // `run` returns an exit code, or nothing where the only one is kDone.
+  template <typename Command, typename Run>
+  void add(const char* name, const char* what, void (*addOptions)(CLI::App&, Command&), Run run) {
+    CLI::App* app = parent_.add_subcommand(name, what);
+    const auto command = std::make_shared<Command>();
+    addOptions(*app, *command);
+    runs_.emplace_back(app, [command, run] {
+      if constexpr (std::is_void_v<decltype(run(*command))>) {
+        run(*command);
+        return int{kDone};
+      } else {
+        return int{run(*command)};
+      }
+    });
+  }
+
+  // Runs the one that the parsed line names.
+  int runNamed() const {
+    const auto named =
+        std::find_if(runs_.begin(), runs_.end(), [](const auto& one) { return one.first->parsed(); });
+    return named->second();
+  }
+
+ private:
+  CLI::App& parent_;
+  std::vector<std::pair<CLI::App*, std::function<int()>>> runs_;
+};
+
+// Commands of their own below `objects`.
+void addObjects(CLI::App& app, std::optional<Commands>& commands) {
+  commands.emplace(app);
+  commands->add("list", "print the names of a set", addObjectRows, listObjects);
+  commands->add("check", "load each object and say what is wrong with it", addObjectRows, checkObjects);
+  commands->add("fetch", "take meshes from Debian's packages", addObjectsFetch, fetchObjects);
+  commands->add("view", "draw an object and what a depth camera sees of it", addObjectsView, viewObject);
+}
+
+void addLearning(Commands& commands, const std::string& command_line) {
+  commands.add("label", "try planned grasps in the simulator and keep the results", addLabel, runLabel);
+  commands.add("merge", "make one experience store of several", addMerge, runMerge);
+  commands.add("summary", "print what an experience store holds", addSummary, runSummary);
+  commands.add("train", "learn from labels and write a model file", addTrain,
+               [command_line](const TrainCommand& command) { runTrain(command, command_line); });
+  commands.add("evaluate", "measure how well learning ranks grasps of objects never seen", addEvaluate,
+               runEvaluate);
+  commands.add("keygen", "make a key for publishing models", addKeygen, runKeygen);
+  commands.add("publish", "sign a model, send it to the server, and wait for its answer", addPublish,
+               runPublish);
+  commands.add("work", "retrain in the background with what robots report, and publish what is better",
+               addWork, runWork);
+}
+
+void addStudies(Commands& commands) {
+  commands.add("sample", "write a point cloud of a parametric object", addSample, runSample);
+  commands.add("objects", "list, check, fetch and view objects", addObjects,
+               [](const std::optional<Commands>& below) { return below->runNamed(); });
+  commands.add("quality", "print epsilon, nu and force closure of contacts", addQuality, runQuality);
+  commands.add("show", "draw a simulated grasp as a filmstrip", addShow, runShow);
+  commands.add("draw", "draw the best grasps of an object or in a scene", addDraw, runDraw);
+  commands.add("constellations", "draw an object's boxes for several t and splits (Fig. 3)",
+               addConstellations, runConstellations);
+  commands.add("stability", "measure how much of a decomposition survives noise and missing points (Table I)",
+               addStability, runStability);
+  commands.add("spread", "plot the planner's grasps among random ones on the axes epsilon and nu (Fig. 5)",
+               addSpread, runSpread);
+  commands.add("rates", "simulate how often the planner's grasps are held, and random ones", addRates,
+               runRates);
+  commands.add("reproduce", "run the paper's whole evaluation, and write a report beside its numbers",
+               addReproduce, runReproduce);
+}
+
+int failed(const std::exception& error, int code) {
+  fmt::print(stderr, "boxgrasp-trainer: {}{}\n", code == kInternalError ? "internal error: " : "",
+             error.what());
+  return code;
+}
+
+int run(const Commands& commands) {
+  try {
+    return commands.runNamed();
+  } catch (const Stopped&) {
+    fmt::print(stderr, "boxgrasp-trainer: stopped; nothing was written\n");
+    return kInterrupted;
+  } catch (const InputError& error) {
+    return failed(error, kBadInput);
+  } catch (const NotReachable& error) {
+    return failed(error, kNotReachable);
+  } catch (const TransportError& error) {
+    return failed(error, kNotReachable);
+  } catch (const NoAnswer& error) {
+    return failed(error, kDeadlinePassed);
+  } catch (const std::exception& error) {
+    return failed(error, kInternalError);
+  }
 }
 
 }  // namespace
@@ -348,112 +443,13 @@ int runObjects(const ObjectsApps& apps, const ObjectsCommand& command) {
 int main(int argc, char** argv) {
   CLI::App app{"Trains the networks that rank Boxgrasp's grasps."};
   app.set_version_flag("--version", BOXGRASP_VERSION);
-  app.require_subcommand(1);
-  TrainCommand train;
-  SampleCommand sample;
-  CLI::App* train_app = app.add_subcommand("train", "learn from labels and write a model file");
-  CLI::App* sample_app = app.add_subcommand("sample", "write a point cloud of a parametric object");
-  QualityCommand quality;
-  CLI::App* quality_app = app.add_subcommand("quality", "print epsilon, nu and force closure of contacts");
-  addQuality(*quality_app, quality);
-  KeygenCommand keygen;
-  CLI::App* keygen_app = app.add_subcommand("keygen", "make a key for publishing models");
-  addKeygen(*keygen_app, keygen);
-  PublishCommand publish;
-  CLI::App* publish_app =
-      app.add_subcommand("publish", "sign a model, send it to the server, and wait for its answer");
-  addPublish(*publish_app, publish);
-  StabilityCommand stability;
-  CLI::App* stability_app = app.add_subcommand(
-      "stability", "measure how much of a decomposition survives noise and missing points (Table I)");
-  addStability(*stability_app, stability);
-  ShowCommand show;
-  CLI::App* show_app = app.add_subcommand("show", "draw a simulated grasp as a filmstrip");
-  addShow(*show_app, show);
-  SpreadCommand spread;
-  CLI::App* spread_app = app.add_subcommand(
-      "spread", "plot the planner's grasps among random ones on the axes epsilon and nu (Fig. 5)");
-  addSpread(*spread_app, spread);
-  RatesCommand rates;
-  CLI::App* rates_app =
-      app.add_subcommand("rates", "simulate how often the planner's grasps are held, and random ones");
-  addRates(*rates_app, rates);
-  ObjectsCommand objects;
-  CLI::App* objects_app = app.add_subcommand("objects", "list, check, fetch and view objects");
-  const ObjectsApps objects_apps = addObjects(*objects_app, objects);
-  DrawCommand draw;
-  CLI::App* draw_app = app.add_subcommand("draw", "draw the best grasps of an object or in a scene");
-  addDraw(*draw_app, draw);
-  ConstellationsCommand constellations;
-  CLI::App* constellations_app =
-      app.add_subcommand("constellations", "draw an object's boxes for several t and splits (Fig. 3)");
-  addConstellations(*constellations_app, constellations);
-  ReproduceCommand reproduce;
-  CLI::App* reproduce_app = app.add_subcommand(
-      "reproduce", "run the paper's whole evaluation, and write a report beside its numbers");
-  addReproduce(*reproduce_app, reproduce);
-  LabelCommand label;
-  CLI::App* label_app =
-      app.add_subcommand("label", "try planned grasps in the simulator and keep the results");
-  addLabel(*label_app, label);
-  MergeCommand merge;
-  CLI::App* merge_app = app.add_subcommand("merge", "make one experience store of several");
-  addMerge(*merge_app, merge);
-  SummaryCommand summary;
-  CLI::App* summary_app = app.add_subcommand("summary", "print what an experience store holds");
-  addSummary(*summary_app, summary);
-  addTrain(*train_app, train);
-  WorkCommand work;
-  CLI::App* work_app = app.add_subcommand(
-      "work", "retrain in the background with what robots report, and publish what is better");
-  addWork(*work_app, work);
-  EvaluateCommand evaluate;
-  CLI::App* evaluate_app =
-      app.add_subcommand("evaluate", "measure how well learning ranks grasps of objects never seen");
-  addEvaluate(*evaluate_app, evaluate);
-  addSample(*sample_app, sample);
+  Commands commands(app);
+  addLearning(commands, commandLine(argc, argv));
+  addStudies(commands);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kDone : kUsage;
   }
-  try {
-    if (work_app->parsed()) return runWork(work);
-    if (train_app->parsed()) runTrain(train, commandLine(argc, argv));
-    if (evaluate_app->parsed()) runEvaluate(evaluate);
-    if (sample_app->parsed()) runSample(sample);
-    if (quality_app->parsed()) runQuality(quality);
-    if (keygen_app->parsed()) runKeygen(keygen);
-    if (publish_app->parsed()) return runPublish(publish);
-    if (stability_app->parsed()) runStability(stability);
-    if (show_app->parsed()) runShow(show);
-    if (spread_app->parsed()) runSpread(spread);
-    if (rates_app->parsed()) runRates(rates);
-    if (draw_app->parsed()) runDraw(draw);
-    if (constellations_app->parsed()) runConstellations(constellations);
-    if (reproduce_app->parsed()) return runReproduce(reproduce);
-    if (label_app->parsed()) return runLabel(label);
-    if (merge_app->parsed()) runMerge(merge);
-    if (summary_app->parsed()) runSummary(summary);
-    if (objects_app->parsed()) return runObjects(objects_apps, objects);
-    return kDone;
-  } catch (const Stopped&) {
-    fmt::print(stderr, "boxgrasp-trainer: stopped; nothing was written\n");
-    return kInterrupted;
-  } catch (const InputError& error) {
-    fmt::print(stderr, "boxgrasp-trainer: {}\n", error.what());
-    return kBadInput;
-  } catch (const NotReachable& error) {
-    fmt::print(stderr, "boxgrasp-trainer: {}\n", error.what());
-    return kNotReachable;
-  } catch (const TransportError& error) {
-    fmt::print(stderr, "boxgrasp-trainer: {}\n", error.what());
-    return kNotReachable;
-  } catch (const NoAnswer& error) {
-    fmt::print(stderr, "boxgrasp-trainer: {}\n", error.what());
-    return kDeadlinePassed;
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "boxgrasp-trainer: internal error: {}\n", error.what());
-    return kInternalError;
-  }
+  return run(commands);
 }

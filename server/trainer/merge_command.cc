@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "boxgrasp/store/experience_store.h"
+#include "print_json.h"
 
 namespace boxgrasp {
 
@@ -19,14 +20,13 @@ void runMerge(const MergeCommand& command) {
     sum.labels += added.labels;
   }
   if (command.json) {
-    fmt::print("{}\n", nlohmann::ordered_json{{"schema", 1},
-                                              {"store", command.out.string()},
-                                              {"stores", command.shards.size()},
-                                              {"models", sum.models},
-                                              {"hypotheses", sum.hypotheses},
-                                              {"labels", sum.labels},
-                                              {"content", out.contentHash()}}
-                           .dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+    printJson(nlohmann::ordered_json{{"schema", 1},
+                                     {"store", command.out.string()},
+                                     {"stores", command.shards.size()},
+                                     {"models", sum.models},
+                                     {"hypotheses", sum.hypotheses},
+                                     {"labels", sum.labels},
+                                     {"content", out.contentHash()}});
     return;
   }
   fmt::print("added {} models, {} hypotheses and {} labels of {} stores to {}\ncontent {}\n", sum.models,

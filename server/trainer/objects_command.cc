@@ -15,6 +15,7 @@
 #include "boxgrasp/objects/depth_camera.h"
 #include "boxgrasp/objects/object_set.h"
 #include "boxgrasp/rendering/canvas.h"
+#include "print_json.h"
 #include "tried_object.h"
 
 namespace boxgrasp {
@@ -155,8 +156,6 @@ cv::Mat3b cloudPicture(const TriangleMesh& mesh, const NamedPose& view) {
 
 // --- list, check
 
-void print(const Json& json) { fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace)); }
-
 // What a mesh is like, or why it is refused.
 Json checked(const ObjectSource& source) {
   Json row{{"object", source.name}, {"scale", source.scale}};
@@ -197,7 +196,7 @@ void listObjects(const ObjectsCommand& command) {
       fmt::print("{}@{:.2f}{}{}\n", source.name, source.scale, source.file.empty() ? "" : "  ",
                  source.file.string());
   }
-  if (command.json) print({{"schema", 1}, {"objects", rows}});
+  if (command.json) printJson(Json{{"schema", 1}, {"objects", rows}});
 }
 
 int checkObjects(const ObjectsCommand& command) {
@@ -209,7 +208,7 @@ int checkObjects(const ObjectsCommand& command) {
     if (!command.json) printRow(rows.back());
   }
   if (command.json)
-    print({{"schema", 1}, {"objects", rows}});
+    printJson(Json{{"schema", 1}, {"objects", rows}});
   else
     fmt::print("{} of {} objects can be simulated\n", rows.size() - refused, rows.size());
   return refused == 0 ? kDone : kNothingFound;

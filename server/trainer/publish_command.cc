@@ -7,6 +7,7 @@
 
 #include "boxgrasp/base/exit_code.h"
 #include "boxgrasp/messaging/publication.h"
+#include "print_json.h"
 
 namespace boxgrasp {
 namespace {
@@ -27,11 +28,8 @@ int runPublish(const PublishCommand& command) {
   const bool known = reply.outcome >= 0 && reply.outcome < static_cast<int>(kConclusions.size());
   const Conclusion& conclusion = kConclusions[known ? reply.outcome : model_reply_t::FAILED];
   if (command.json)
-    fmt::print("{}\n", nlohmann::ordered_json{{"schema", 1},
-                                              {"outcome", conclusion.name},
-                                              {"version", reply.version},
-                                              {"message", reply.message}}
-                           .dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+    printJson(nlohmann::ordered_json{
+        {"schema", 1}, {"outcome", conclusion.name}, {"version", reply.version}, {"message", reply.message}});
   if (conclusion.code != kDone)
     fmt::print(stderr, "boxgrasp-trainer: {}: {}\n", conclusion.name, reply.message);
   else if (!command.json)

@@ -10,6 +10,7 @@
 
 #include "boxgrasp/base/error.h"
 #include "boxgrasp/wrench/grasp_wrench_space.h"
+#include "print_json.h"
 
 namespace boxgrasp {
 namespace {
@@ -211,7 +212,7 @@ void runQuality(const QualityCommand& command) {
       fmt::print("{:<32} {:>8} {:>12.6g} {:>12.6g} {:>13}\n", grasp.name, grasp.contacts.size(),
                  quality.epsilon, quality.volume, quality.force_closure ? "yes" : "no");
   }
-  if (command.json) fmt::print("{}\n", json{{"schema", 1}, {"norm", command.norm}, {"cases", cases}}.dump(2));
+  if (command.json) printJson(json{{"schema", 1}, {"norm", command.norm}, {"cases", cases}});
 }
 
 }  // namespace boxgrasp

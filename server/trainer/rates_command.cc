@@ -15,6 +15,7 @@
 #include "boxgrasp/training/baselines.h"
 #include "interruption.h"
 #include "left_out.h"
+#include "print_json.h"
 #include "progress_bar.h"
 #include "tried_object.h"
 
@@ -328,7 +329,7 @@ void runRates(const RatesCommand& command) {
   }
   rater.finish();
   if (command.json)
-    fmt::print("{}\n", reportOf(all, rater, command).dump(2));
+    printJson(reportOf(all, rater, command));
   else
     printTable(all, command);
 }

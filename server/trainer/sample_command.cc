@@ -8,6 +8,7 @@
 #include "boxgrasp/base/random.h"
 #include "boxgrasp/cloud/write_cloud.h"
 #include "boxgrasp/objects/parametric.h"
+#include "print_json.h"
 
 namespace boxgrasp {
 namespace {
@@ -19,17 +20,13 @@ void addNoise(PointCloud& cloud, double deviation_m, std::uint64_t seed) {
   }
 }
 
-void print(const nlohmann::ordered_json& json) {
-  fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
-}
-
 }  // namespace
 
 void runSample(const SampleCommand& command) {
   if (command.list) {
     const std::vector<std::string> names = parametricNames();
     if (command.json)
-      print({{"schema", 1}, {"objects", names}});
+      printJson(nlohmann::ordered_json{{"schema", 1}, {"objects", names}});
     else
       fmt::print("{}\n", fmt::join(names, "\n"));
     return;
@@ -43,11 +40,11 @@ void runSample(const SampleCommand& command) {
   addNoise(cloud, command.noise_m, command.seed + 1);
   writeCloud(cloud, command.out);
   if (command.json)
-    print({{"schema", 1},
-           {"object", command.object},
-           {"points", cloud.size()},
-           {"file", command.out.string()},
-           {"seed", command.seed}});
+    printJson(nlohmann::ordered_json{{"schema", 1},
+                                     {"object", command.object},
+                                     {"points", cloud.size()},
+                                     {"file", command.out.string()},
+                                     {"seed", command.seed}});
   else
     fmt::print("{} points on a {} written to {}\n", cloud.size(), command.object, command.out.string());
 }

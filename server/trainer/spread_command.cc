@@ -9,6 +9,7 @@
 #include "boxgrasp/rendering/svg_plot.h"
 #include "boxgrasp/training/baselines.h"
 #include "interruption.h"
+#include "print_json.h"
 #include "progress_bar.h"
 #include "tried_object.h"
 
@@ -167,7 +168,7 @@ void runSpread(const SpreadCommand& command) {
   for (std::size_t i = 0; i < clouds.size(); ++i)
     report["sources"].push_back(summaryOf(clouds[i], s[i], clouds.front(), s.front()));
   if (command.json) {
-    fmt::print("{}\n", report.dump(2));
+    printJson(report);
     return;
   }
   for (const json& summary : report["sources"]) printSummary(summary);

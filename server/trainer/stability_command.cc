@@ -15,6 +15,7 @@
 #include "boxgrasp/objects/parametric.h"
 #include "boxgrasp/rendering/svg_plot.h"
 #include "boxgrasp/training/stability.h"
+#include "print_json.h"
 #include "progress_bar.h"
 #include "tried_object.h"
 
@@ -327,7 +328,7 @@ void runStability(const StabilityCommand& command) {
   const std::vector<Row> rows = measureAll(command, sources);
   if (command.curves) writeAllCurves(command, sources);
   if (command.json)
-    fmt::print("{}\n", asJson(rows).dump(2));
+    printJson(asJson(rows));
   else
     printTable(rows, command);
 }

@@ -8,6 +8,7 @@
 
 #include "boxgrasp/store/experience_store.h"
 #include "boxgrasp/training/labelling.h"
+#include "print_json.h"
 
 namespace boxgrasp {
 namespace {
@@ -113,20 +114,19 @@ nlohmann::json jsonOf(const Row& row) {
           {"hold_deviation", row.deviation.value()}};
 }
 
-void printJson(const std::vector<Row>& rows, const Totals& totals) {
+void printRows(const std::vector<Row>& rows, const Totals& totals) {
   nlohmann::json models = nlohmann::json::array();
   for (const Row& row : rows) models.push_back(jsonOf(row));
-  fmt::print("{}\n", nlohmann::json{{"schema", 1},
-                                    {"models", models},
-                                    {"totals",
-                                     {{"models", totals.models},
-                                      {"projections", totals.projections},
-                                      {"triplets", totals.triplets},
-                                      {"configurations", totals.configurations},
-                                      {"hypotheses", totals.hypotheses},
-                                      {"labels", totals.labels}}},
-                                    {"paper", {{"models", 42}, {"projections", 570}, {"triplets", 5951}}}}
-                         .dump(2));
+  printJson(nlohmann::json{{"schema", 1},
+                           {"models", models},
+                           {"totals",
+                            {{"models", totals.models},
+                             {"projections", totals.projections},
+                             {"triplets", totals.triplets},
+                             {"configurations", totals.configurations},
+                             {"hypotheses", totals.hypotheses},
+                             {"labels", totals.labels}}},
+                           {"paper", {{"models", 42}, {"projections", 570}, {"triplets", 5951}}}});
 }
 
 void printTable(const std::vector<Row>& rows) {
@@ -156,7 +156,7 @@ void runSummary(const SummaryCommand& command) {
   const ExperienceStore store = ExperienceStore::openForReading(command.store);
   const std::vector<Row> rows = rowsOf(store);
   const Totals totals = totalsOf(store, rows);
-  if (command.json) return printJson(rows, totals);
+  if (command.json) return printRows(rows, totals);
   printTable(rows);
   fmt::print(
       "{} models, {} projections, {} triplets, {} configurations (the paper: 42 models, 570 projections, "
