@@ -53,8 +53,9 @@ PlanRequest requestOf(const PlanCommand& command) {
   request.friction = command.friction;
   request.object = command.object;
   if (command.gravity) request.gravity_C = Vector3d(command.gravity->data());
-  request.viewpoint_C = loaded.viewpoint_C;
-  if (command.viewpoint) request.viewpoint_C = Vector3d(command.viewpoint->data());
+  for (const std::array<double, 3>& viewpoint : command.viewpoints)
+    request.viewpoints_C.push_back(Vector3d(viewpoint.data()));
+  if (request.viewpoints_C.empty() && loaded.viewpoint_C) request.viewpoints_C = {*loaded.viewpoint_C};
   putRobot(command.robot, request);
   return request;
 }

@@ -38,7 +38,7 @@ struct PlanCommand {
   double deadline_s = 0.0;  // 0: none
   double friction = 0.4;
   std::optional<std::array<double, 3>> gravity;
-  std::optional<std::array<double, 3>> viewpoint;  // else the file's, if it has one
+  std::vector<std::array<double, 3>> viewpoints;  // else the file's, if it has one
   RobotFlags robot;
   int object = -1;
   std::string request_id;  // of a plan made by the server; empty: a new one

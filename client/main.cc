@@ -32,8 +32,10 @@ void addCloudOptions(CLI::App& app, PlanCommand& command, const std::string& fil
   app.add_option("--frame", command.frame, "name of the cloud's frame")->capture_default_str();
   app.add_option("--gravity", command.gravity, "direction of gravity in the cloud's frame, as 0,0,-1")
       ->delimiter(',');
-  app.add_option("--viewpoint", command.viewpoint,
-                 "where the sensor stood in the cloud's frame, metres, as X Y Z; else what the file says")
+  app.add_option("--viewpoint", command.viewpoints,
+                 "where the sensor stood in the cloud's frame, metres, as X Y Z; else what the file says; "
+                 "once for each "
+                 "sensor where several views were joined")
       ->delimiter(',');
   app.add_option("--object", command.object, "plan this object of a scene alone, 0 the largest; -1: all")
       ->capture_default_str()

@@ -38,7 +38,7 @@ PlanRequest requestOf(const DrawCommand& command, const StopToken& stop) {
   LoadedCloud loaded = readCloud(*command.scene);
   PlanRequest request;
   request.cloud_C = std::move(loaded.cloud_C);
-  request.viewpoint_C = loaded.viewpoint_C;
+  if (loaded.viewpoint_C) request.viewpoints_C = {*loaded.viewpoint_C};
   return request;
 }
 

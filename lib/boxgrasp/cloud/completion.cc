@@ -1,9 +1,12 @@
 #include "boxgrasp/cloud/completion.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "boxgrasp/base/error.h"
 #include "boxgrasp/cloud/sensor_view.h"
@@ -22,6 +25,7 @@ constexpr double kEqualEvidence = 0.01;  // a difference of so little is chance
 constexpr int kRefinements = 3;          // each halves the steps of azimuth and place
 constexpr double kPixelSpacings = 2.0;   // pixels so wide, in spacings, that a seen surface leaves none empty
 constexpr double kDuplicateSpacings = 1.0;  // guessed points nearer to a known one say nothing new
+constexpr double kHidden_m = 0.02;          // behind what was seen: noise and slopes are less
 constexpr double kBeyond = 0.5;             // mirrors are tried so far behind the cloud, in its extent there
 
 // What a mirrored point is worth: a surface that was seen there is evidence; where none could be seen, it is
@@ -57,12 +61,6 @@ Pose sensorPose(const Vector3d& viewpoint_C, const Vector3d& looking_C, const Ve
   return makePose(axes_C, viewpoint_C);
 }
 
-Vector3d meanOf(const PointCloud& cloud) {
-  Vector3d sum = Vector3d::Zero();
-  for (std::size_t i = 0; i < cloud.size(); ++i) sum += cloud.point(i);
-  return sum / static_cast<double>(cloud.size());
-}
-
 // Steps of the golden ratio around all indices: neighbours in the order of points are far apart in it, and no
 // regular pattern of the points is hit in step.
 std::size_t spreadIndex(std::size_t i, std::size_t n) {
@@ -79,15 +77,18 @@ struct Mirror {
 
 class MirrorSearch {
  public:
-  MirrorSearch(const PointCloud& seen_C, const SensorView& view, const CompletionOptions& options,
-               const StopToken& stop)
-      : view_(view), options_(options), stop_(stop) {
+  MirrorSearch(const PointCloud& seen_C, const std::vector<SensorView>& views,
+               const CompletionOptions& options, const StopToken& stop)
+      : views_(views), options_(options), stop_(stop) {
     const std::size_t n = std::min(kSamples, seen_C.size());
-    for (std::size_t i = 0; i < n; ++i) samples_C_.push_back(seen_C.point(spreadIndex(i, seen_C.size())));
-    Vector3d mean_C = Vector3d::Zero();
-    for (const Vector3d& p_C : samples_C_) mean_C += p_C / static_cast<double>(n);
+    PointCloud samples_C;
+    for (std::size_t i = 0; i < n; ++i) samples_C.push(seen_C.point(spreadIndex(i, seen_C.size())));
+    const Vector3d mean_C = meanOf(samples_C);
     double squares = 0.0;
-    for (const Vector3d& p_C : samples_C_) squares += (p_C - mean_C).squaredNorm();
+    for (std::size_t i = 0; i < n; ++i) {
+      samples_C_.push_back(samples_C.point(i));
+      squares += (samples_C_.back() - mean_C).squaredNorm();
+    }
     width_m_ = std::max(2 * std::sqrt(squares / static_cast<double>(n)), options.tolerance_m);
   }
 
@@ -165,7 +166,7 @@ class MirrorSearch {
     for (const Vector3d& p_C : samples_C_) {
       const Vector3d q_C = reflected(p_C, plane);
       if ((q_C - p_C).squaredNorm() < 4 * tolerance_m * tolerance_m) continue;
-      const SensorView::Judgement found = view_.judge(q_C, tolerance_m);
+      const SensorView::Judgement found = judge(views_, q_C, tolerance_m);
       moved += 1.0;
       if (found.verdict == Verdict::contradicted) {
         mirror.contradicted += 1.0;
@@ -191,21 +192,21 @@ class MirrorSearch {
   }
 
   std::vector<Vector3d> samples_C_;
-  const SensorView& view_;
+  const std::vector<SensorView>& views_;
   const CompletionOptions& options_;
   const StopToken& stop_;
   double width_m_;
 };
 
 // The mirrored points that may be there and are not known yet.
-PointCloud newPoints(const PointCloud& known_C, const Plane& mirror, const SensorView& view, double spacing_m,
-                     const CompletionOptions& options, std::size_t& contradicted) {
+PointCloud newPoints(const PointCloud& known_C, const Plane& mirror, const std::vector<SensorView>& views,
+                     double spacing_m, const CompletionOptions& options, std::size_t& contradicted) {
   const double near_m = kDuplicateSpacings * spacing_m;
   const PointGrid grid(known_C, std::max(near_m, 1e-6));
   PointCloud found_C;
   for (std::size_t i = 0; i < known_C.size(); ++i) {
     const Vector3d q_C = reflected(known_C.point(i), mirror);
-    if (view.judge(q_C, options.tolerance_m).verdict == Verdict::contradicted) {
+    if (judge(views, q_C, options.tolerance_m).verdict == Verdict::contradicted) {
       ++contradicted;
     } else if (!grid.nearest(q_C, near_m)) {
       found_C.push(q_C);
@@ -214,15 +215,56 @@ PointCloud newPoints(const PointCloud& known_C, const Plane& mirror, const Senso
   return found_C;
 }
 
-PointCloud together(PointCloud first, const PointCloud& second) {
-  for (std::size_t i = 0; i < second.size(); ++i) first.push(second.point(i));
-  return first;
-}
-
-std::vector<Vector3d> upsToTry(const PointCloud& seen_C, const Sight& sight, const StopToken& stop) {
-  if (sight.up_C) return {*sight.up_C};
+std::vector<Vector3d> upsToTry(const PointCloud& seen_C, const Observation& observation,
+                               const StopToken& stop) {
+  if (observation.up_C) return {*observation.up_C};
   const Matrix3d axes = minVolumeBox(seen_C, {}, stop).X_CB.linear();
   return {axes.col(0), axes.col(1), axes.col(2)};
+}
+
+std::vector<SensorView> viewsOf(const PointCloud& seen_C, const Observation& observation,
+                                const Vector3d& up_C, double pitch_m) {
+  std::vector<SensorView> views;
+  for (const Vector3d& viewpoint_C : observation.viewpoints_C) {
+    const Vector3d looking_C = meanOf(seen_C) - viewpoint_C;
+    views.emplace_back(seen_C, observation.others_C, sensorPose(viewpoint_C, looking_C, up_C), pitch_m);
+  }
+  return views;
+}
+
+bool isWithinReach(const PointCloud& seen_C, const Vector3d& viewpoint_C) {
+  const Vector3d mean_C = meanOf(seen_C);
+  double reach_m = 0.0;
+  for (std::size_t i = 0; i < seen_C.size(); ++i)
+    reach_m = std::max(reach_m, (seen_C.point(i) - mean_C).norm());
+  return (viewpoint_C - mean_C).norm() <= reach_m;
+}
+
+double hiddenShare(const PointCloud& seen_C, const std::vector<SensorView>& views) {
+  std::size_t hidden = 0;
+  for (std::size_t i = 0; i < seen_C.size(); ++i) {
+    hidden += std::all_of(views.begin(), views.end(),
+                          [&](const SensorView& view) { return view.behind(seen_C.point(i)) > kHidden_m; });
+  }
+  return static_cast<double>(hidden) / static_cast<double>(seen_C.size());
+}
+
+// The better mirror of the best pair first.
+std::array<Mirror, 2> bestMirrors(const MirrorSearch& search, const std::vector<Vector3d>& ups_C,
+                                  const Vector3d& looking_C) {
+  std::array<Mirror, 2> best;
+  for (const Vector3d& up_C : ups_C) {
+    const std::array<Mirror, 2> pair = search.bestPair(horizonOf(up_C, looking_C));
+    if (MirrorSearch::sumOf(pair) > MirrorSearch::sumOf(best)) best = pair;
+  }
+  if (best[0].worth < best[1].worth) std::swap(best[0], best[1]);
+  return best;
+}
+
+Completion nothing(std::string why) {
+  Completion result;
+  result.why_not = std::move(why);
+  return result;
 }
 
 }  // namespace
@@ -233,33 +275,38 @@ void CompletionOptions::validate() const {
                 "completion.azimuth_step_rad", azimuth_step_rad, "in [0.01, pi/2]");
   requireOption(max_contradicted >= 0 && max_contradicted <= 1, "completion.max_contradicted",
                 max_contradicted, "in [0, 1]");
+  requireOption(max_hidden >= 0 && max_hidden <= 1, "completion.max_hidden", max_hidden, "in [0, 1]");
 }
 
-Completion completed(const PointCloud& seen_C, double spacing_m, const Sight& sight,
+Completion completed(const PointCloud& seen_C, double spacing_m, const Observation& observation,
                      const CompletionOptions& options, const StopToken& stop) {
   options.validate();
-  Completion result;
-  if (!options.enabled || spacing_m <= 0) return result;
-  const Vector3d looking_C = meanOf(seen_C) - sight.viewpoint_C;
-  if (looking_C.norm() < options.tolerance_m) return result;
-  const std::vector<Vector3d> ups_C = upsToTry(seen_C, sight, stop);
-  const SensorView view(seen_C, sight.others_C, sensorPose(sight.viewpoint_C, looking_C, ups_C.front()),
-                        kPixelSpacings * spacing_m);
-  const MirrorSearch search(seen_C, view, options, stop);
-  std::array<Mirror, 2> best;
-  for (const Vector3d& up_C : ups_C) {
-    const std::array<Mirror, 2> pair = search.bestPair(horizonOf(up_C, looking_C));
-    if (MirrorSearch::sumOf(pair) > MirrorSearch::sumOf(best)) best = pair;
+  if (!options.enabled || spacing_m <= 0) return {};
+  for (const Vector3d& viewpoint_C : observation.viewpoints_C) {
+    if (isWithinReach(seen_C, viewpoint_C))
+      return nothing(
+          fmt::format("the sensor is said to have stood at ({:.3f} {:.3f} {:.3f}) m, within the object",
+                      viewpoint_C.x(), viewpoint_C.y(), viewpoint_C.z()));
   }
-  if (best[0].worth < best[1].worth) std::swap(best[0], best[1]);
-  for (const Mirror& mirror : best) {
+  const std::vector<Vector3d> ups_C = upsToTry(seen_C, observation, stop);
+  const std::vector<SensorView> views =
+      viewsOf(seen_C, observation, ups_C.front(), kPixelSpacings * spacing_m);
+  const double hidden = hiddenShare(seen_C, views);
+  if (hidden > options.max_hidden)
+    return nothing(fmt::format(
+        "{:.0f} % of its points are hidden from where the sensor stood, and were seen from elsewhere",
+        100 * hidden));
+  const MirrorSearch search(seen_C, views, options, stop);
+  Completion result;
+  for (const Mirror& mirror : bestMirrors(search, ups_C, meanOf(seen_C) - observation.viewpoints_C.front())) {
     if (mirror.worth <= 0 || mirror.contradicted > options.max_contradicted) continue;
     const Plane plane = search.settled(mirror.plane);
-    const PointCloud known_C = together(seen_C, result.guessed_C);
-    result.guessed_C = together(std::move(result.guessed_C),
-                                newPoints(known_C, plane, view, spacing_m, options, result.contradicted));
+    const PointCloud known_C = joined(seen_C, result.guessed_C);
+    result.guessed_C = joined(std::move(result.guessed_C),
+                              newPoints(known_C, plane, views, spacing_m, options, result.contradicted));
     result.mirrors.push_back(plane);
   }
+  if (result.guessed_C.empty()) result.why_not = "no mirror agrees with what was seen and adds to it";
   return result;
 }
 

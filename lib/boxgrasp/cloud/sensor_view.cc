@@ -2,14 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace boxgrasp {
 namespace {
 
 constexpr int kMaxSide_px = 256;     // coarser pixels rather than a larger object in the image
 constexpr double kNearest_m = 1e-3;  // nothing nearer to the sensor is in front of it
-constexpr int kMargin_px = 2;        // for the outline
-constexpr double kAround = 0.5;      // of the object's size, on each side: what is there may hide parts of it
+constexpr float kOnePixel_m =
+    0.02f;                       // surfaces of one pixel lie so near each other, unless one hides the other
+constexpr int kMargin_px = 2;    // for the outline
+constexpr double kAround = 0.5;  // of the object's size, on each side: what is there may hide parts of it
 
 }  // namespace
 
@@ -37,7 +40,13 @@ SensorView::SensorView(const PointCloud& seen_C, const PointCloud& others_C, con
     Pixel& pixel = pixels_[indexOf(ray)];
     pixel.read = true;
     pixel.nearest = std::min(pixel.nearest, static_cast<float>(ray.depth_m));
-    pixel.farthest = std::max(pixel.farthest, static_cast<float>(ray.depth_m));
+  }
+  for (std::size_t i = 0; i < seen_C.size(); ++i) {
+    const Ray ray = rayTo(seen_C.point(i));
+    if (ray.column < 0) continue;
+    Pixel& pixel = pixels_[indexOf(ray)];
+    const auto depth_m = static_cast<float>(ray.depth_m);
+    if (depth_m < pixel.nearest + kOnePixel_m) pixel.farthest = std::max(pixel.farthest, depth_m);
   }
   for (std::size_t i = 0; i < others_C.size(); ++i) {
     const Ray ray = rayTo(others_C.point(i));
@@ -73,6 +82,11 @@ void SensorView::spread() {
   }
 }
 
+double SensorView::behind(const Vector3d& p_C) const {
+  const Ray ray = rayTo(p_C);
+  return ray.column < 0 ? 0.0 : std::max(0.0, ray.depth_m - pixels_[indexOf(ray)].nearest);
+}
+
 SensorView::Judgement SensorView::judge(const Vector3d& p_C, double tolerance_m) const {
   const Ray ray = rayTo(p_C);
   if (ray.column < 0) return {};
@@ -86,6 +100,24 @@ SensorView::Judgement SensorView::judge(const Vector3d& p_C, double tolerance_m)
   if (ray.depth_m > pixel.other + tolerance_m)
     return {Verdict::hidden, ray.depth_m - pixel.other, 0.0, false};
   return {};
+}
+
+SensorView::Judgement judge(const std::vector<SensorView>& views, const Vector3d& p_C, double tolerance_m) {
+  using Verdict = SensorView::Verdict;
+  // What is seen says more than what is hidden, and that more than a rim; where two of a kind differ, the
+  // object is as thin as one of them allows.
+  const auto tellsMore = [](const SensorView::Judgement& a, const SensorView::Judgement& b) {
+    if (a.at_rim != b.at_rim) return b.at_rim;
+    if (a.verdict != b.verdict) return a.verdict == Verdict::seen;
+    return a.verdict == Verdict::seen ? a.off_m < b.off_m : a.behind_m < b.behind_m;
+  };
+  std::optional<SensorView::Judgement> best;
+  for (const SensorView& view : views) {
+    const SensorView::Judgement found = view.judge(p_C, tolerance_m);
+    if (found.verdict == Verdict::contradicted) return found;
+    if (!best || tellsMore(found, *best)) best = found;
+  }
+  return best.value_or(SensorView::Judgement{});
 }
 
 }  // namespace boxgrasp

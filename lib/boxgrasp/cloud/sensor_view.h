@@ -21,13 +21,17 @@ class SensorView {
     double off_m = 0.0;     // how far off the readings along the line of sight, where seen
     bool at_rim = false;    // not behind a reading, but beside one: a sensor's outlines are ragged
   };
+  // How far p lies behind the nearest surface seen in its direction; 0 beside all that was seen.
+  double behind(const Vector3d& p_C) const;
+
   // Whether a surface at p would lie where one was seen, behind one, or where the sensor looked through.
   Judgement judge(const Vector3d& p_C, double tolerance_m) const;
 
  private:
   struct Pixel {
     bool read = false;                               // the object has a reading here
-    float nearest = INFINITY, farthest = -INFINITY;  // of the object's readings around
+    float nearest = INFINITY, farthest = -INFINITY;  // of the object's readings around; what lies far behind
+                                                     // the nearest was seen from elsewhere
     float other = INFINITY;                          // the nearest of anything else
   };
   struct Ray {
@@ -47,5 +51,8 @@ class SensorView {
   int width_ = 0, height_ = 0;
   std::vector<Pixel> pixels_;
 };
+
+// What several sensors saw: a surface is where one of them saw it, unless another looked through there.
+SensorView::Judgement judge(const std::vector<SensorView>& views, const Vector3d& p_C, double tolerance_m);
 
 }  // namespace boxgrasp

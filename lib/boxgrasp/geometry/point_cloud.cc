@@ -97,6 +97,20 @@ PointCloud select(const PointCloud& cloud, const std::vector<std::uint32_t>& ind
   return selected;
 }
 
+PointCloud joined(PointCloud first, const PointCloud& second) {
+  first.x.insert(first.x.end(), second.x.begin(), second.x.end());
+  first.y.insert(first.y.end(), second.y.begin(), second.y.end());
+  first.z.insert(first.z.end(), second.z.begin(), second.z.end());
+  return first;
+}
+
+Vector3d meanOf(const PointCloud& cloud) {
+  assert(!cloud.empty());
+  Vector3d sum = Vector3d::Zero();
+  for (std::size_t i = 0; i < cloud.size(); ++i) sum += cloud.point(i);
+  return sum / static_cast<double>(cloud.size());
+}
+
 PointCloud transformed(const PointCloud& cloud_A, const Pose& X_BA) {
   PointCloud cloud_B;
   cloud_B.resize(cloud_A.size());

@@ -24,6 +24,12 @@ struct PointCloud {
 // The points at `indices`, in that order.
 PointCloud select(const PointCloud& cloud, const std::vector<std::uint32_t>& indices);
 
+// All points of the first cloud, then all of the second.
+PointCloud joined(PointCloud first, const PointCloud& second);
+
+// The mean of all points. Pre: not empty.
+Vector3d meanOf(const PointCloud& cloud);
+
 // Every point p_A of the cloud as p_B = X_BA * p_A, computed in double and rounded once.
 PointCloud transformed(const PointCloud& cloud_A, const Pose& X_BA);
 

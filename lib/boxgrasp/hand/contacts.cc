@@ -48,8 +48,8 @@ Touch touchUnseen(const Vector3d& p_C, const Vector3d& inward_C, const PointGrid
   return {{p_C, inward_C, false}, std::nullopt};
 }
 
-bool turnedAway(const Vector3d& p_C, const Vector3d& inward_C, const std::optional<Vector3d>& viewpoint_C) {
-  return viewpoint_C && inward_C.dot(*viewpoint_C - p_C) > 0;
+bool isUnseen(const Vector3d& p_C, const Vector3d& inward_C, const Viewpoints& viewpoints_C) {
+  return !viewpoints_C.empty() && !facesASensor(p_C, -inward_C, viewpoints_C);
 }
 
 }  // namespace
@@ -73,7 +73,7 @@ std::string_view describe(ContactRejection rejection) {
 }
 
 Contacts findContacts(const Face& face, const Triplet& triplet, const HandConfiguration& configuration,
-                      const PointGrid& object_C, double spacing_m, const std::optional<Vector3d>& viewpoint_C,
+                      const PointGrid& object_C, double spacing_m, const Viewpoints& viewpoints_C,
                       const ContactOptions& options) {
   Contacts result;
   for (int finger = 0; finger < 3; ++finger) {
@@ -82,7 +82,7 @@ Contacts findContacts(const Face& face, const Triplet& triplet, const HandConfig
     const Vector3d p_C = face.X_CF * Vector3d(p_F.x(), p_F.y(), configuration.depth_m[finger]);
     const Vector3d n_C = face.X_CF.linear() * Vector3d(n_F.x(), n_F.y(), 0.0);
     Touch found = touch(p_C, n_C, object_C, spacing_m, options);
-    if (found.rejection && turnedAway(p_C, n_C, viewpoint_C))
+    if (found.rejection && isUnseen(p_C, n_C, viewpoints_C))
       found = touchUnseen(p_C, n_C, object_C, spacing_m, options);
     if (found.rejection) return {{}, found.rejection};
     result.contacts[finger] = found.contact;

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "boxgrasp/geometry/point_grid.h"
+#include "boxgrasp/geometry/viewpoints.h"
 #include "boxgrasp/hand/configurations.h"
 #include "boxgrasp/projection/graspable_faces.h"
 
@@ -27,8 +28,8 @@ struct ContactOptions {
 struct SurfaceContact {
   Vector3d p_C = Vector3d::Constant(NAN);       // on the surface
   Vector3d normal_C = Vector3d::Constant(NAN);  // unit, into the object
-  bool seen = true;  // false: the wall under the finger is turned away from the sensor; the normal is that of
-                     // the outline
+  bool seen = true;  // false: the wall under the finger is turned away from all sensors; the normal is that
+                     // of the outline
 };
 
 enum class ContactRejection { no_surface, facing_away };
@@ -36,14 +37,15 @@ std::string_view describe(ContactRejection rejection);
 
 // The contacts by finger (F1, F2, F3), or why there are none. A contact is the planned point of a fingertip,
 // dropped onto the plane through the cloud near it; its normal points to the side that the normal of the
-// region points to. With a sensor at `viewpoint_C`, walls that are turned away from it are not in the cloud:
-// there the outline of what was seen stands for the wall, as long as a point of the cloud is near.
+// region points to. Where sensors stood at `viewpoints_C`, walls that are turned away from all of them are
+// not in the cloud: there the outline of what was seen stands for the wall, as long as a point of the cloud
+// is near.
 struct Contacts {
   std::array<SurfaceContact, 3> contacts;
   std::optional<ContactRejection> rejection;
 };
 Contacts findContacts(const Face& face, const Triplet& triplet, const HandConfiguration& configuration,
-                      const PointGrid& object_C, double spacing_m, const std::optional<Vector3d>& viewpoint_C,
+                      const PointGrid& object_C, double spacing_m, const Viewpoints& viewpoints_C,
                       const ContactOptions& options = {});
 
 }  // namespace boxgrasp

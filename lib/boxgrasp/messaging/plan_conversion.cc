@@ -217,8 +217,11 @@ plan_request_t toMessage(const PlanRequest& request, const RequestEnvelope& enve
   message.object = request.object;
   message.has_gravity = request.gravity_C.has_value();
   if (request.gravity_C) put(*request.gravity_C, message.gravity);
-  message.has_viewpoint = request.viewpoint_C.has_value();
-  if (request.viewpoint_C) put(*request.viewpoint_C, message.viewpoint_m);
+  for (const Vector3d& viewpoint_C : request.viewpoints_C) {
+    message.viewpoints.emplace_back();
+    put(viewpoint_C, message.viewpoints.back().position_m);
+  }
+  message.num_viewpoints = static_cast<int>(message.viewpoints.size());
   message.has_table = request.table_C.has_value();
   if (request.table_C) {
     const Vector3d& normal_C = request.table_C->normal_C;
@@ -241,7 +244,8 @@ PlanRequest fromMessage(const plan_request_t& message) {
   if (message.friction > 0) request.friction = message.friction;
   request.object = message.object;
   if (message.has_gravity) request.gravity_C = finite(message.gravity, "gravity");
-  if (message.has_viewpoint) request.viewpoint_C = finite(message.viewpoint_m, "viewpoint_m");
+  for (const viewpoint_t& viewpoint : message.viewpoints)
+    request.viewpoints_C.push_back(finite(viewpoint.position_m, "viewpoints.position_m"));
   if (message.has_table) request.table_C = tableOf(message);
   request.robot = robotOf(message);
   request.cloud_C = fromMessage(message.cloud);

@@ -3,6 +3,8 @@
 #include <array>
 #include <string>
 
+#include "boxgrasp/geometry/viewpoints.h"
+
 namespace boxgrasp {
 namespace wire {
 namespace {
@@ -107,6 +109,9 @@ constexpr WireLayout kRejection{"rejection_t", kRejectionFields};
 constexpr WireField kRegionFields[] = {fixed("min_m", float64, 3), fixed("max_m", float64, 3)};
 constexpr WireLayout kRegion{"region_t", kRegionFields};
 
+constexpr WireField kViewpointFields[] = {fixed("position_m", float64, 3)};
+constexpr WireLayout kViewpoint{"viewpoint_t", kViewpointFields};
+
 constexpr WireField kSignatureFields[] = {fixed("key", byte, 32), fixed("bytes", byte, 64)};
 constexpr WireLayout kSignature{"signature_t", kSignatureFields};
 
@@ -152,8 +157,8 @@ constexpr WireField kPlanRequestFields[] = {
     one("object", int32),
     one("has_gravity", boolean),
     fixed("gravity", float64, 3),
-    one("has_viewpoint", boolean),
-    fixed("viewpoint_m", float64, 3),
+    one("num_viewpoints", int32),
+    many("viewpoints", kViewpoint, "num_viewpoints", std::int64_t{kMaxViewpoints}),
     one("has_table", boolean),
     fixed("table_point_m", float64, 3),
     fixed("table_normal", float64, 3),

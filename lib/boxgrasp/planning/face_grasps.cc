@@ -114,7 +114,7 @@ void markGuessed(const FaceWork& work, Grasp& grasp) {
 bool touchesSurface(const FaceWork& work, const Face& face, Grasp& grasp, Tally& tally) {
   const StageTimer timer(tally, StageId::contacts);
   const Contacts found = findContacts(face, grasp.triplet, grasp.configuration, work.object_grid_C,
-                                      work.object.spacing_m, work.viewpoint_C, work.options.contacts);
+                                      work.object.spacing_m, work.viewpoints_C, work.options.contacts);
   tally.count(StageId::contacts, 1, !found.rejection);
   if (found.rejection) tally.reject(describe(*found.rejection));
   grasp.contacts = found.contacts;

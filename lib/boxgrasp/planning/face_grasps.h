@@ -14,9 +14,9 @@ struct FaceWork {
   const PlannerOptions& options;  // with the request's friction in every stage
   const PlannedObject& object;
   int object_index;
-  const PointGrid& object_grid_C;              // the object's own points: where contacts are
-  const PointGrid& scene_grid_C;               // all points: what the hand may meet
-  const std::optional<Vector3d>& viewpoint_C;  // where the sensor stood
+  const PointGrid& object_grid_C;  // the object's own points: where contacts are
+  const PointGrid& scene_grid_C;   // all points: what the hand may meet
+  const Viewpoints& viewpoints_C;  // where sensors stood
   const Robot& robot;
   const std::optional<Vector3d>& gravity_C;  // unit
   const StopToken& stop;

@@ -44,6 +44,15 @@ std::optional<Plane> givenTable(const PlanRequest& request) {
   return Plane{request.table_C->normal_C / norm, request.table_C->offset_m / norm};
 }
 
+void checkViewpoints(const Viewpoints& viewpoints_C) {
+  requireOption(viewpoints_C.size() <= kMaxViewpoints, "number of viewpoints", viewpoints_C.size(),
+                fmt::format("at most {}", kMaxViewpoints));
+  for (const Vector3d& viewpoint_C : viewpoints_C) {
+    for (const double coordinate_m : viewpoint_C)
+      requireOption(std::isfinite(coordinate_m), "viewpoint", coordinate_m, "finite");
+  }
+}
+
 // The rest of the scene, without the points of any object.
 PointCloud background(const PointCloud& cloud_C, const Scene& scene) {
   std::vector<bool> taken(cloud_C.size(), false);
@@ -83,6 +92,7 @@ class HypothesisSearch {
         robot_(options.robot, request.robot) {}
 
   void run() {
+    checkViewpoints(request_.viewpoints_C);
     const FiniteCloud finite = validated(request_.cloud_C, options_.validation);
     noteNonFinite(finite);
     takeSceneApart(finite.cloud_C);
@@ -104,7 +114,7 @@ class HypothesisSearch {
 
   void takeSceneApart(const PointCloud& cloud_C) {
     const StageTimer timer(tally_, StageId::scene);
-    scene_ = takeApart(cloud_C, options_.scene, stop_, request_.viewpoint_C, givenTable(request_));
+    scene_ = takeApart(cloud_C, options_.scene, stop_, someViewpoint(), givenTable(request_));
     tally_.count(StageId::scene, cloud_C.size(), scene_.objects.size());
     tally_.reject("point of the background", scene_.background_points);
     tally_.reject("point of a small cluster", scene_.small_cluster_points);
@@ -117,7 +127,7 @@ class HypothesisSearch {
           fmt::format("object {} was asked for, but the scene has {} (numbered from 0, the largest first)",
                       request_.object, objects));
     }
-    surroundings_ = {unitGravity(request_, robot_, scene_.table), request_.viewpoint_C};
+    surroundings_ = {unitGravity(request_, robot_, scene_.table), request_.viewpoints_C};
   }
 
   void cleanObjects(const PointCloud& cloud_C) {
@@ -151,15 +161,21 @@ class HypothesisSearch {
     }
   }
 
-  // Whatever the sensor saw, the object included: nothing can be where it looked through.
-  Sight sightOf(const PointCloud& seen_C) const {
+  // All sensors look at a table from above it.
+  std::optional<Vector3d> someViewpoint() const {
+    if (request_.viewpoints_C.empty()) return std::nullopt;
+    return request_.viewpoints_C.front();
+  }
+
+  // Whatever the sensors saw, the object included: nothing can be where one looked through.
+  Observation observationOf(const PointCloud& seen_C) const {
     std::optional<Vector3d> up_C;
     if (surroundings_.gravity_C) up_C = -*surroundings_.gravity_C;
-    return {*request_.viewpoint_C, up_C, seen_C};
+    return {request_.viewpoints_C, up_C, seen_C};
   }
 
   void completeObjects() {
-    if (!request_.viewpoint_C || !options_.completion.enabled) return;
+    if (request_.viewpoints_C.empty() || !options_.completion.enabled) return;
     const StageTimer timer(tally_, StageId::completion);
     const PointCloud seen_C = scene_C_;
     for (std::size_t i = 0; i < result_.objects.size(); ++i) {
@@ -167,13 +183,15 @@ class HypothesisSearch {
       PlannedObject& object = result_.objects[i];
       const std::size_t seen = object.cloud_C.size();
       const Completion guess =
-          completed(object.cloud_C, object.spacing_m, sightOf(seen_C), options_.completion, stop_);
+          completed(object.cloud_C, object.spacing_m, observationOf(seen_C), options_.completion, stop_);
       object.guessed = guess.guessed_C.size();
       object.cloud_C = joined(std::move(object.cloud_C), guess.guessed_C);
       scene_C_ = joined(std::move(scene_C_), guess.guessed_C);
       tally_.count(StageId::completion, seen, object.cloud_C.size());
       tally_.reject("mirrored point would have been seen", guess.contradicted);
-      if (object.guessed > 0)
+      if (!guess.why_not.empty())
+        note(fmt::format("object {}: nothing of its unseen side was guessed: {}", i, guess.why_not));
+      else if (object.guessed > 0)
         note(fmt::format("object {}: {} points of its unseen side were guessed, through {} mirror{}", i,
                          object.guessed, guess.mirrors.size(), guess.mirrors.size() == 1 ? "" : "s"));
     }
@@ -258,7 +276,7 @@ class HypothesisSearch {
               index,
               object_grid_C,
               scene_grid_C,
-              request_.viewpoint_C,
+              request_.viewpoints_C,
               robot_,
               surroundings_.gravity_C,
               stop_};

@@ -25,11 +25,4 @@ PointCloud tablePatch(const Plane& table, const PointCloud& object_C, double rea
   return patch;
 }
 
-PointCloud joined(PointCloud first, const PointCloud& second) {
-  first.x.insert(first.x.end(), second.x.begin(), second.x.end());
-  first.y.insert(first.y.end(), second.y.begin(), second.y.end());
-  first.z.insert(first.z.end(), second.z.begin(), second.z.end());
-  return first;
-}
-
 }  // namespace boxgrasp

@@ -9,7 +9,4 @@ namespace boxgrasp {
 // object's shadow: the sensor does not see the table under the object, but the hand would meet it.
 PointCloud tablePatch(const Plane& table, const PointCloud& object_C, double reach_m, double spacing_m);
 
-// All points of the first cloud, then all of the second.
-PointCloud joined(PointCloud first, const PointCloud& second);
-
 }  // namespace boxgrasp

@@ -42,7 +42,7 @@ struct PlannerOptions {
   RobotOptions robot;
   DepthModel depth_model = DepthModel::exact;
   // Force closure of a grasp's contacts, as far as the cloud tells their normals. `prefer`: only such grasps,
-  // unless an object has none; half of the others are held all the same.
+  // unless an object has none; about a third of the others are held all the same.
   ForceClosureUse force_closure = ForceClosureUse::prefer;
   // Prefer fingers in slightly concave places (a wish of the paper, III.A): added to a grasp's score
   // are so many standard deviations of its object's scores for each radian that the outline turns inwards
@@ -58,12 +58,13 @@ struct PlannerOptions {
 // What one request may choose.
 struct PlanRequest {
   PointCloud cloud_C;
-  int top_k = 10;                       // grasps in the answer; 0 = all
-  double friction = 0.4;                // Coulomb coefficient of finger on object
-  int object = -1;                      // plan this object of a scene alone (largest first); -1: all
-  std::optional<Vector3d> gravity_C;    // direction of gravity (any length); else the robot's options say, or
-                                        // the table, if there is one
-  std::optional<Vector3d> viewpoint_C;  // where the sensor stood
+  int top_k = 10;                     // grasps in the answer; 0 = all
+  double friction = 0.4;              // Coulomb coefficient of finger on object
+  int object = -1;                    // plan this object of a scene alone (largest first); -1: all
+  std::optional<Vector3d> gravity_C;  // direction of gravity (any length); else the robot's options say, or
+                                      // the table, if there is one
+  // Where the sensors stood; several where their views were joined into this cloud.
+  Viewpoints viewpoints_C;
   std::optional<Plane> table_C;  // what the objects stand on (normal of any length); else it is looked for
   RobotRequest robot;
 };

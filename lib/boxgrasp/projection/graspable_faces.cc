@@ -103,8 +103,8 @@ FaceRejection rejectionOfSize(const Face& face, const FaceOptions& options) {
 FaceRejection rejectionOfDirection(const Face& face, const Surroundings& surroundings,
                                    const FaceOptions& options) {
   const Vector3d outward_C = -face.X_CF.linear().col(2);
-  const auto& viewpoint_C = surroundings.viewpoint_C;
-  if (viewpoint_C && outward_C.dot(*viewpoint_C - face.X_CF.translation()) <= 0.0)
+  const Viewpoints& viewpoints_C = surroundings.viewpoints_C;
+  if (!viewpoints_C.empty() && !facesASensor(face.X_CF.translation(), outward_C, viewpoints_C))
     return FaceRejection::hidden;
   if (surroundings.gravity_C && outward_C.dot(*surroundings.gravity_C) > options.max_support_cosine)
     return FaceRejection::supported;

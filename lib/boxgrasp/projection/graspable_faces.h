@@ -9,6 +9,7 @@
 #include "boxgrasp/base/stop_token.h"
 #include "boxgrasp/decomposition/box_tree.h"
 #include "boxgrasp/geometry/point_grid.h"
+#include "boxgrasp/geometry/viewpoints.h"
 
 namespace boxgrasp {
 
@@ -70,8 +71,8 @@ struct FaceDecision {
 
 // What is known about the world around the object.
 struct Surroundings {
-  std::optional<Vector3d> gravity_C;    // unit, pointing down; unknown: no face is rejected as supported
-  std::optional<Vector3d> viewpoint_C;  // where the sensor stood; unknown: no face is rejected as hidden
+  std::optional<Vector3d> gravity_C;  // unit, pointing down; unknown: no face is rejected as supported
+  Viewpoints viewpoints_C;            // where sensors stood; unknown: no face is rejected as hidden
 };
 
 // All six faces of every box that counts, in order of node, axis, sign (-1 first), each with the reason for

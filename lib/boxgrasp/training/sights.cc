@@ -7,7 +7,6 @@
 #include "boxgrasp/base/error.h"
 #include "boxgrasp/objects/depth_camera.h"
 #include "boxgrasp/objects/mesh_properties.h"
-#include "boxgrasp/planning/obstacles.h"
 #include "boxgrasp/ranking/model_file.h"
 #include "boxgrasp/training/analytic_labels.h"
 
@@ -56,7 +55,6 @@ PlanRequest sightOf(const TriangleMesh& mesh_O, const ModelKey& key, const Sight
   }
   const std::vector<std::size_t> cameras = camerasOf(key.view, options.cameras);
   const std::vector<NamedPose> ring = viewRing(mesh_O, {.views = options.cameras});
-  request.viewpoint_C = Vector3d::Zero();
   request.gravity_C = -Vector3d::UnitZ();  // the table was seen too
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     DepthCameraOptions camera;
@@ -65,7 +63,7 @@ PlanRequest sightOf(const TriangleMesh& mesh_O, const ModelKey& key, const Sight
     const PointCloud seen =
         seeFrom({.object_O = mesh_O, .others_O = {}, .table = true}, X_OS, camera, stop).objectCloud_O();
     request.cloud_C = joined(std::move(request.cloud_C), seen);
-    *request.viewpoint_C += X_OS.translation() / static_cast<double>(cameras.size());
+    request.viewpoints_C.push_back(X_OS.translation());
   }
   return request;
 }

@@ -23,9 +23,8 @@ std::string wholeName();
 std::vector<std::string> viewNames(int cameras);
 std::vector<std::string> pairNames(int cameras);
 
-// The cloud that `key.view` names, in O, of the object alone on a table; with the sensor's place, which for
-// two cameras is the middle between them: what neither sees is turned away from there. Throws InputError for
-// a view that these cameras have not; Stopped.
+// The cloud that `key.view` names, in O, of the object alone on a table; with the cameras' places.
+// Throws InputError for a view that these cameras have not; Stopped.
 PlanRequest sightOf(const TriangleMesh& mesh_O, const ModelKey& key, const SightOptions& options,
                     const StopToken& stop = {});
 

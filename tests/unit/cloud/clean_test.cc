@@ -40,11 +40,6 @@ PointCloud shuffled(const PointCloud& cloud, std::mt19937_64& random) {
   return select(cloud, order);
 }
 
-PointCloud joined(PointCloud a, const PointCloud& b) {
-  for (std::size_t i = 0; i < b.size(); ++i) a.push(b.point(i));
-  return a;
-}
-
 CleanOptions evenOnly(double voxel_m) {
   CleanOptions options;
   options.voxel_m = voxel_m;

@@ -88,20 +88,15 @@ PointCloud cloudOf(const std::vector<SurfacePoint>& surface) {
   return cloud;
 }
 
-PointCloud together(PointCloud a, const PointCloud& b) {
-  for (std::size_t i = 0; i < b.size(); ++i) a.push(b.point(i));
-  return a;
-}
-
 const PointCloud kNothing;
 
 void expectComplete(const std::vector<SurfacePoint>& surface, const Vector3d& viewpoint,
                     const std::optional<Vector3d>& up) {
   const PointCloud seen = seenFrom(surface, viewpoint), truth = cloudOf(surface);
   ASSERT_LT(shareNear(truth, seen, 0.006), 0.8) << "something must be left to guess";
-  const Completion guess = completed(seen, kSpacing_m, {viewpoint, up, kNothing});
+  const Completion guess = completed(seen, kSpacing_m, {{viewpoint}, up, kNothing});
   EXPECT_GT(shareNear(guess.guessed_C, truth, 0.006), 0.97) << "guessed points lie on the true surface";
-  EXPECT_GT(shareNear(truth, together(seen, guess.guessed_C), 0.008), 0.97) << "little is missing";
+  EXPECT_GT(shareNear(truth, joined(seen, guess.guessed_C), 0.008), 0.97) << "little is missing";
 }
 
 TEST(Completion, FindsTheUnseenWallsOfABoxSeenAtACorner) {
@@ -121,21 +116,22 @@ TEST(Completion, TriesTheCloudsOwnAxesWhereUpIsUnknown) {
   for (double x = -size.x() / 2; x <= size.x() / 2; x += kSpacing_m) {
     for (double y = -size.y() / 2; y <= size.y() / 2; y += kSpacing_m) truth.push({x, y, 0.0});
   }
-  const Completion guess = completed(seen, kSpacing_m, {viewpoint, std::nullopt, kNothing});
+  const Completion guess = completed(seen, kSpacing_m, {{viewpoint}, std::nullopt, kNothing});
   EXPECT_GT(shareNear(guess.guessed_C, truth, 0.006), 0.97) << "on one of its six sides";
-  EXPECT_GT(shareNear(truth, together(seen, guess.guessed_C), 0.008), shareNear(truth, seen, 0.008) + 0.2)
+  EXPECT_GT(shareNear(truth, joined(seen, guess.guessed_C), 0.008), shareNear(truth, seen, 0.008) + 0.2)
       << "two of the three unseen sides";
 }
 
 TEST(Completion, MovesWithTheCloud) {
   const Vector3d viewpoint(0.5, 0.4, 0.45);
   const PointCloud seen = seenFrom(boxSurface({0.06, 0.10, 0.15}), viewpoint);
-  const Completion guess = completed(seen, kSpacing_m, {viewpoint, kUp, kNothing});
+  const Completion guess = completed(seen, kSpacing_m, {{viewpoint}, kUp, kNothing});
+  ASSERT_GT(guess.guessed_C.size(), seen.size() / 2);
   std::mt19937_64 random(3);
   for (int i = 0; i < 5; ++i) {
     const Pose X_DC = test::randomPose(random, 1.0);
     const Completion moved = completed(transformed(seen, X_DC), kSpacing_m,
-                                       {X_DC * viewpoint, Vector3d(X_DC.linear() * kUp), kNothing});
+                                       {{X_DC * viewpoint}, Vector3d(X_DC.linear() * kUp), kNothing});
     EXPECT_GT(shareNear(moved.guessed_C, transformed(guess.guessed_C, X_DC), 0.004), 0.99);
     EXPECT_GT(shareNear(transformed(guess.guessed_C, X_DC), moved.guessed_C, 0.004), 0.99);
   }
@@ -150,13 +146,59 @@ TEST(Completion, GuessesNothingWhereTheSensorLookedThrough) {
       if (x < 0.04 || z < 0.04) seen.push({x, 0.02, z});
     }
   }
-  const Completion guess = completed(seen, kSpacing_m, {viewpoint, kUp, kNothing});
+  const Completion guess = completed(seen, kSpacing_m, {{viewpoint}, kUp, kNothing});
+  ASSERT_FALSE(guess.guessed_C.empty()) << guess.why_not;
   for (std::size_t i = 0; i < guess.guessed_C.size(); ++i) {
     const Vector3d q = guess.guessed_C.point(i), ray = q - viewpoint;
     const Vector3d at_wall = viewpoint + ray * (0.02 - viewpoint.y()) / ray.y();
     const double outside_m = std::min(at_wall.x() - 0.04, at_wall.z() - 0.04);
     EXPECT_LT(outside_m, 4 * kSpacing_m) << "guessed at " << q.transpose() << ", seen through the notch";
     EXPECT_LT(q.y(), 0.02 + 0.006) << "guessed before the wall that was seen";
+  }
+}
+
+// Two walls that meet, each seen by a sensor of its own: neither place alone could have seen this cloud, and
+// nothing may be guessed where either looked through.
+TEST(Completion, JoinsWhatSeveralSensorsSaw) {
+  const auto surface = boxSurface({0.06, 0.10, 0.15});
+  const Vector3d left(-0.7, 0.05, 0.3), front(0.05, -0.7, 0.3);
+  const PointCloud seen = joined(seenFrom(surface, left), seenFrom(surface, front)), truth = cloudOf(surface);
+  ASSERT_LT(shareNear(truth, seen, 0.006), 0.8);
+  const Completion guess = completed(seen, kSpacing_m, {{left, front}, kUp, kNothing});
+  EXPECT_GT(shareNear(guess.guessed_C, truth, 0.006), 0.97);
+  EXPECT_GT(shareNear(truth, joined(seen, guess.guessed_C), 0.008), 0.97);
+  const Vector3d behind(0.7, 0.05, 0.3);  // it saw a box only 60 mm wide
+  PointCloud deep = seenFrom(boxSurface({0.06, 0.10, 0.15}), front);
+  const PointCloud back = seenFrom(boxSurface({0.06, 0.10, 0.15}), behind);
+  const Completion thin = completed(joined(deep, back), kSpacing_m, {{front, behind}, kUp, kNothing});
+  ASSERT_FALSE(thin.guessed_C.empty()) << thin.why_not;
+  const SensorView view(
+      back, kNothing,
+      Pose(Eigen::Translation3d(behind) *
+           Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), Vector3d(-0.7, -0.05, -0.22))),
+      2 * kSpacing_m);
+  for (std::size_t i = 0; i < thin.guessed_C.size(); ++i) {
+    EXPECT_NE(view.judge(thin.guessed_C.point(i), 2 * CompletionOptions{}.tolerance_m).verdict,
+              Verdict::contradicted)
+        << "guessed at " << thin.guessed_C.point(i).transpose() << ", where the second sensor looked through";
+  }
+}
+
+TEST(Completion, GuessesNothingOfWhatIsKnownAllAround) {
+  const PointCloud whole = cloudOf(boxSurface({0.06, 0.10, 0.15}));
+  const Completion guess = completed(whole, kSpacing_m, {{{0.5, 0.4, 0.45}}, kUp, kNothing});
+  EXPECT_TRUE(guess.guessed_C.empty());
+  EXPECT_THAT(guess.why_not, HasSubstr("hidden from where the sensor stood"));
+}
+
+TEST(Completion, GuessesNothingForASensorWithinTheObject) {
+  const auto surface = boxSurface({0.06, 0.10, 0.15});
+  const PointCloud seen = seenFrom(surface, {0.5, 0.4, 0.45});
+  for (const Vector3d& viewpoint :
+       {Vector3d(0, 0, 0.05), Vector3d(0.02, 0.04, 0.1), Vector3d(0.03, 0.05, 0.15)}) {
+    const Completion guess = completed(seen, kSpacing_m, {{viewpoint}, kUp, kNothing});
+    EXPECT_TRUE(guess.guessed_C.empty());
+    EXPECT_THAT(guess.why_not, HasSubstr("within the object")) << viewpoint.transpose();
   }
 }
 
@@ -168,7 +210,7 @@ TEST(Completion, OfDegenerateCloudsEndsAndIsFinite) {
   one.push({0.1, 0.2, 0.3});
   for (const PointCloud& cloud : {line, flat, one}) {
     for (const Vector3d& viewpoint : {Vector3d(0, 0, 0.7), Vector3d(0.5, 0, 0), cloud.point(0)}) {
-      const Completion guess = completed(cloud, kSpacing_m, {viewpoint, std::nullopt, kNothing});
+      const Completion guess = completed(cloud, kSpacing_m, {{viewpoint}, std::nullopt, kNothing});
       for (std::size_t i = 0; i < guess.guessed_C.size(); ++i)
         EXPECT_TRUE(guess.guessed_C.point(i).allFinite());
     }
@@ -178,11 +220,14 @@ TEST(Completion, OfDegenerateCloudsEndsAndIsFinite) {
 TEST(Completion, CanBeTurnedOffAndChecksItsOptions) {
   const Vector3d viewpoint(0.5, 0.4, 0.45);
   const PointCloud seen = seenFrom(boxSurface({0.06, 0.10, 0.15}), viewpoint);
-  EXPECT_TRUE(completed(seen, kSpacing_m, {viewpoint, kUp, kNothing}, {.enabled = false}).guessed_C.empty());
+  EXPECT_TRUE(
+      completed(seen, kSpacing_m, {{viewpoint}, kUp, kNothing}, {.enabled = false}).guessed_C.empty());
   EXPECT_THAT(test::errorOf([] { CompletionOptions{.tolerance_m = 0}.validate(); }),
               HasSubstr("completion.tolerance_m"));
   EXPECT_THAT(test::errorOf([] { CompletionOptions{.max_contradicted = 2}.validate(); }),
               HasSubstr("completion.max_contradicted"));
+  EXPECT_THAT(test::errorOf([] { CompletionOptions{.max_hidden = -1}.validate(); }),
+              HasSubstr("completion.max_hidden"));
 }
 
 TEST(SensorView, TellsSeenFromHiddenFromSeenThrough) {

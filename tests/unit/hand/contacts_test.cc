@@ -47,9 +47,9 @@ Face faceAt(const Pose& X_CF) {
 }
 
 Contacts contactsOn(const PointCloud& cloud_F, const Planned& plan, double spacing = kSpacing_m,
-                    const std::optional<Vector3d>& viewpoint_F = std::nullopt) {
+                    const Viewpoints& viewpoints_F = {}) {
   return findContacts(faceAt(Pose::Identity()), plan.triplet, plan.configuration, PointGrid(cloud_F, kCell_m),
-                      spacing, viewpoint_F);
+                      spacing, viewpoints_F);
 }
 
 // Planned a little inside or outside of the surface, the contact lies on it, and its normal points to the
@@ -64,7 +64,7 @@ TEST(FindContacts, LieOnTheSurfaceAndPointIntoTheObject) {
       const Pose X_CF = test::randomPose(random);
       const PointCloud cloud_C = transformed(cloud_F, X_CF);
       const Contacts found = findContacts(faceAt(X_CF), plan.triplet, plan.configuration,
-                                          PointGrid(cloud_C, kCell_m), kSpacing_m, std::nullopt);
+                                          PointGrid(cloud_C, kCell_m), kSpacing_m, {});
       ASSERT_FALSE(found.rejection);
       for (int finger = 0; finger < 3; ++finger) {
         const int point = plan.configuration.point_of_finger[finger];
@@ -126,7 +126,7 @@ TEST(FindContacts, TakeTheOutlineForWallsThatTheSensorCannotSee) {
   const Planned plan = planned(radius, 0.032);
   EXPECT_EQ(contactsOn(top_F, plan).rejection, ContactRejection::facing_away)
       << "nothing is known of the sensor";
-  const Contacts found = contactsOn(top_F, plan, kSpacing_m, Vector3d(0, 0, -1));
+  const Contacts found = contactsOn(top_F, plan, kSpacing_m, {{0, 0, -1}});
   ASSERT_FALSE(found.rejection);
   for (int finger = 0; finger < 3; ++finger) {
     const int point = plan.configuration.point_of_finger[finger];
@@ -134,9 +134,11 @@ TEST(FindContacts, TakeTheOutlineForWallsThatTheSensorCannotSee) {
     EXPECT_LT((found.contacts[finger].normal_C.head<2>() - plan.triplet.normals_F[point]).norm(), 1e-9);
     EXPECT_LT((found.contacts[finger].p_C.head<2>() - plan.triplet.points_F[point]).norm(), 1e-9);
   }
-  EXPECT_TRUE(contactsOn(top_F, plan, kSpacing_m, Vector3d(10, 0, 0.03)).rejection)
+  EXPECT_TRUE(contactsOn(top_F, plan, kSpacing_m, {{10, 0, 0.03}}).rejection)
       << "one finger's wall would be seen";
-  EXPECT_EQ(contactsOn(top_F, planned(radius, 0.04), kSpacing_m, Vector3d(0, 0, -1)).rejection,
+  EXPECT_TRUE(contactsOn(top_F, plan, kSpacing_m, {{0, 0, -1}, {10, 0, 0.03}}).rejection)
+      << "by the second of two sensors";
+  EXPECT_EQ(contactsOn(top_F, planned(radius, 0.04), kSpacing_m, {{0, 0, -1}}).rejection,
             ContactRejection::no_surface)
       << "10 mm below all that was seen";
 }

@@ -24,7 +24,7 @@ TEST(PlanConversion, RequestRoundTrip) {
   request.friction = 0.7;
   request.object = 3;
   request.gravity_C = Vector3d(0.1, 0.2, -9.8);
-  request.viewpoint_C = Vector3d::Zero();
+  request.viewpoints_C = {Vector3d::Zero(), Vector3d(0.5, -1, 2)};
   const plan_request_t message = toMessage(request, {"an id", "camera", 2.5, 77});
   EXPECT_EQ(message.request_id, "an id");
   EXPECT_EQ(message.cloud.frame_name, "camera");
@@ -36,7 +36,7 @@ TEST(PlanConversion, RequestRoundTrip) {
   EXPECT_EQ(back.friction, 0.7);
   EXPECT_EQ(back.object, 3);
   EXPECT_EQ(back.gravity_C.value(), *request.gravity_C);
-  EXPECT_EQ(back.viewpoint_C.value(), *request.viewpoint_C);
+  EXPECT_EQ(back.viewpoints_C, request.viewpoints_C);
 }
 
 TEST(PlanConversion, WhatARequestSaysOfItsRobotComesBack) {
@@ -69,7 +69,7 @@ TEST(PlanConversion, ZerosAskForDefaults) {
   EXPECT_EQ(request.top_k, PlanRequest{}.top_k);
   EXPECT_EQ(request.friction, PlanRequest{}.friction);
   EXPECT_FALSE(request.gravity_C);
-  EXPECT_FALSE(request.viewpoint_C);
+  EXPECT_TRUE(request.viewpoints_C.empty());
   EXPECT_FALSE(request.table_C);
   EXPECT_FALSE(request.robot.X_RC || request.robot.answer_frame || request.robot.approach ||
                request.robot.workspace_R || !request.robot.forbidden_R.empty());
@@ -93,8 +93,10 @@ TEST(PlanConversion, RefusesImpossibleNumbersAndSaysWhich) {
   EXPECT_THAT(problem([](plan_request_t& m) { m.friction = -0.1; }), HasSubstr("friction is -0.1"));
   EXPECT_THAT(problem([](plan_request_t& m) { m.gravity[1] = INFINITY; }),
               HasSubstr("gravity is (0, inf, -1)"));
-  EXPECT_THAT(problem([](plan_request_t& m) { m.has_viewpoint = 1, m.viewpoint_m[0] = NAN; }),
-              HasSubstr("viewpoint_m is (nan"));
+  EXPECT_THAT(problem([](plan_request_t& m) {
+                m.viewpoints = {{{0, 0, 1}}, {{NAN, 0, 0}}};
+              }),
+              HasSubstr("viewpoints.position_m is (nan"));
   EXPECT_THAT(problem([](plan_request_t& m) { m.answer_frame = 3; }), HasSubstr("answer_frame is 3"));
   EXPECT_THAT(problem([](plan_request_t& m) { m.has_camera_pose = 1; }),
               HasSubstr("camera_quaternion_wxyz is (0, 0, 0, 0)"));

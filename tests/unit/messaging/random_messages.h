@@ -30,6 +30,9 @@ inline plan_request_t randomRequest(std::mt19937_64& random, std::size_t points 
   message.has_gravity = 1;
   message.gravity[2] = -1;
   message.forbidden.resize(2);
+  message.viewpoints.resize(2);
+  message.num_viewpoints = 2;
+  for (viewpoint_t& viewpoint : message.viewpoints) viewpoint = {{uniform(random), 2, 3}};
   for (region_t& region : message.forbidden) region = {{-1, -1, -1}, {uniform(random), 1, 1}};
   message.num_forbidden = 2;
   return message;

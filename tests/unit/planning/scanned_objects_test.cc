@@ -27,7 +27,7 @@ PlanResult planFor(const std::filesystem::path& file) {
   const LoadedCloud loaded = readCloud(file);
   PlanRequest request;
   request.cloud_C = loaded.cloud_C;
-  request.viewpoint_C = loaded.viewpoint_C;
+  if (loaded.viewpoint_C) request.viewpoints_C = {*loaded.viewpoint_C};
   return GraspPlanner(barrettHand(), modelOrDefault(std::nullopt)).plan(request);
 }
 

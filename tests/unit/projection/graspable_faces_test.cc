@@ -105,15 +105,22 @@ TEST(GraspableFaces, FacesTurnedAwayFromTheSensorAreHidden) {
     const OrientedBox box{randomPose(random), kBox.extents};
     const Vector3d viewpoint_C =
         box.X_CB.translation() + Vector3d(normal(random), normal(random), normal(random));
-    for (const auto& [face, rejection] : decide(treeOf({box}), {}, {std::nullopt, viewpoint_C})) {
+    for (const auto& [face, rejection] : decide(treeOf({box}), {}, {std::nullopt, {viewpoint_C}})) {
       const bool seen = (face.X_CF.inverse() * viewpoint_C).z() < 0.0;
       EXPECT_EQ(rejection, seen ? FaceRejection::none : FaceRejection::hidden);
+    }
+    const Vector3d opposite_C = 2 * box.X_CB.translation() - viewpoint_C;
+    for (const auto& [face, rejection] :
+         decide(treeOf({box}), {}, {std::nullopt, {viewpoint_C, opposite_C}})) {
+      const bool seen =
+          (face.X_CF.inverse() * viewpoint_C).z() < 0.0 || (face.X_CF.inverse() * opposite_C).z() < 0.0;
+      EXPECT_EQ(rejection, seen ? FaceRejection::none : FaceRejection::hidden) << "by both of two sensors";
     }
   }
 }
 
 TEST(GraspableFaces, TheFaceTowardsTheGroundIsSupported) {
-  const auto decisions = decide(treeOf({kBox}), {}, {Vector3d(0, 0, -1), std::nullopt});
+  const auto decisions = decide(treeOf({kBox}), {}, {Vector3d(0, 0, -1), {}});
   for (const auto& [face, rejection] : decisions) {
     const bool down = face.axis == 2 && face.sign == -1;
     EXPECT_EQ(rejection, down ? FaceRejection::supported : FaceRejection::none);
