@@ -1,6 +1,7 @@
 // LCM's event logs: what lcm-logger writes and lcm-logplayer plays. One event is, big endian, the mark
 // EDA1DA01 (4 bytes), its number (8), its time (8, microseconds since 1970), the lengths of channel and data
-// (4 each), the channel, the data.
+// (4 each), the channel, the data. LCM's own reader trusts the lengths in the file, and its writer leaves half
+// an event on a full disk.
 #pragma once
 
 #include <cstdint>

@@ -56,8 +56,9 @@ std::vector<Triplet> tripletsOf(const FaceWork& work, const Face& face, const Fa
         findPinches(regions, image, 2 * work.hand.spread_offset, options, work.stop);
     found.triplets.insert(found.triplets.end(), pinches.begin(), pinches.end());
   }
-  if (const auto circle = roundOutline(work, face); circle && work.options.shapes.snap)
-    snapToCircle(*circle, image, options, found.triplets);
+  if (work.options.shapes.snap) {
+    if (const auto circle = roundOutline(work, face)) snapToCircle(*circle, image, options, found.triplets);
+  }
   tally.count(StageId::triplets, std::max(found.counts.considered, found.triplets.size()),
               found.triplets.size());
   tally.reject("triplet: normals do not span the plane", found.counts.not_spanning);
