@@ -136,7 +136,7 @@ class MirrorSearch {
     return std::max(0.0, pair[0].worth) + std::max(0.0, pair[1].worth);
   }
 
- private:
+  // The best place of a mirror with this normal.
   Mirror bestAt(const Vector3d& normal_C) const {
     double low = INFINITY, high = -INFINITY;
     for (const Vector3d& p_C : samples_C_) {
@@ -160,6 +160,7 @@ class MirrorSearch {
     return best;
   }
 
+ private:
   Mirror judged(const Plane& plane, double extent_m, double tolerance_m) const {
     Mirror mirror{plane, 0.0, 0.0, 0.0};
     double moved = 0.0, hidden = 0.0;
@@ -249,16 +250,26 @@ double hiddenShare(const PointCloud& seen_C, const std::vector<SensorView>& view
   return static_cast<double>(hidden) / static_cast<double>(seen_C.size());
 }
 
-// The better mirror of the best pair first.
-std::array<Mirror, 2> bestMirrors(const MirrorSearch& search, const std::vector<Vector3d>& ups_C,
-                                  const Vector3d& looking_C) {
-  std::array<Mirror, 2> best;
+// The upright mirrors that may be used, the surer first, and then the level one.
+std::vector<Plane> mirrorsOf(const MirrorSearch& search, const std::vector<Vector3d>& ups_C,
+                             const Observation& observation, const Vector3d& looking_C,
+                             const CompletionOptions& options) {
+  std::array<Mirror, 2> upright;
   for (const Vector3d& up_C : ups_C) {
     const std::array<Mirror, 2> pair = search.bestPair(horizonOf(up_C, looking_C));
-    if (MirrorSearch::sumOf(pair) > MirrorSearch::sumOf(best)) best = pair;
+    if (MirrorSearch::sumOf(pair) > MirrorSearch::sumOf(upright)) upright = pair;
   }
-  if (best[0].worth < best[1].worth) std::swap(best[0], best[1]);
-  return best;
+  if (upright[0].worth < upright[1].worth) std::swap(upright[0], upright[1]);
+  std::vector<Plane> usable;
+  for (const Mirror& mirror : upright) {
+    if (mirror.worth > 0 && mirror.contradicted <= options.max_contradicted)
+      usable.push_back(search.settled(mirror.plane));
+  }
+  if (!observation.up_C) return usable;
+  const Mirror level = search.bestAt(*observation.up_C);
+  if (level.evidence > 0 && level.contradicted <= options.max_contradicted_level)
+    usable.push_back(search.settled(level.plane));
+  return usable;
 }
 
 Completion nothing(std::string why) {
@@ -275,6 +286,8 @@ void CompletionOptions::validate() const {
                 "completion.azimuth_step_rad", azimuth_step_rad, "in [0.01, pi/2]");
   requireOption(max_contradicted >= 0 && max_contradicted <= 1, "completion.max_contradicted",
                 max_contradicted, "in [0, 1]");
+  requireOption(max_contradicted_level >= 0 && max_contradicted_level <= 1,
+                "completion.max_contradicted_level", max_contradicted_level, "in [0, 1]");
   requireOption(max_hidden >= 0 && max_hidden <= 1, "completion.max_hidden", max_hidden, "in [0, 1]");
 }
 
@@ -298,13 +311,12 @@ Completion completed(const PointCloud& seen_C, double spacing_m, const Observati
         100 * hidden));
   const MirrorSearch search(seen_C, views, options, stop);
   Completion result;
-  for (const Mirror& mirror : bestMirrors(search, ups_C, meanOf(seen_C) - observation.viewpoints_C.front())) {
-    if (mirror.worth <= 0 || mirror.contradicted > options.max_contradicted) continue;
-    const Plane plane = search.settled(mirror.plane);
+  const Vector3d looking_C = meanOf(seen_C) - observation.viewpoints_C.front();
+  result.mirrors = mirrorsOf(search, ups_C, observation, looking_C, options);
+  for (const Plane& mirror : result.mirrors) {
     const PointCloud known_C = joined(seen_C, result.guessed_C);
     result.guessed_C = joined(std::move(result.guessed_C),
-                              newPoints(known_C, plane, views, spacing_m, options, result.contradicted));
-    result.mirrors.push_back(plane);
+                              newPoints(known_C, mirror, views, spacing_m, options, result.contradicted));
   }
   if (result.guessed_C.empty()) result.why_not = "no mirror agrees with what was seen and adds to it";
   return result;

@@ -22,6 +22,8 @@ struct CompletionOptions {
   // A mirror is not used when more than this share of what it moves would have been seen and was not. Lower
   // trusts nothing but perfect symmetry.
   double max_contradicted = 0.3;
+  // The same for a level mirror, which what lies on a table mostly has, and what stands on it often has not.
+  double max_contradicted_level = 0.1;
   // Nothing is guessed when more than this share of the points is hidden from where the sensor stood: they
   // were seen from elsewhere too, and what is missing is not what this place says. One camera's clouds have
   // 0.11 at most, whole surfaces 0.4, and both views of two cameras told as one 0.35.
@@ -37,20 +39,21 @@ struct Observation {
 };
 
 struct Completion {
-  PointCloud guessed_C;          // none of them within a spacing of a seen point
-  std::vector<Plane> mirrors;    // through which they were guessed; at most two, the surer first
+  PointCloud guessed_C;  // none of them within a spacing of a seen point
+  std::vector<Plane>
+      mirrors;  // through which they were guessed; upright ones, the surer first, then a level one
   std::size_t contradicted = 0;  // mirrored points left out: a sensor would have seen them
   std::string why_not;           // for users, where it was tried and nothing was guessed
 };
 
-// The unseen side of one object by mirror symmetry in an upright plane, and in a second one across the first:
-// most things that are handled have such planes (Thrun and Wegbreit, "Shape from symmetry", ICCV 2005; Bohg
-// et al., "Mind the gap", ICRA 2011). A mirrored point is evidence for its mirror where a surface was seen,
-// is possible where it is hidden behind what was seen, and contradicts it where a sensor saw through: the
-// mirror with most evidence is taken, the tightest where there is none. A rigid motion of cloud, viewpoints
-// and up moves the result with it. `spacing_m`: between points of the cloud. Nothing is guessed when no
-// mirror is possible, when a sensor is said to have stood within the object, and when the cloud was not seen
-// from the viewpoints alone. Pre: finite, not empty. Throws Stopped.
+// The unseen side of one object by mirror symmetry in an upright plane, in a second one across the first,
+// and, where up is known, in a level one: most things that are handled have such planes (Thrun and Wegbreit,
+// "Shape from symmetry", ICCV 2005; Bohg et al., "Mind the gap", ICRA 2011). A mirrored point is evidence for
+// its mirror where a surface was seen, is possible where it is hidden behind what was seen, and contradicts
+// it where a sensor saw through: the mirror with most evidence is taken, the tightest where there is none. A
+// rigid motion of cloud, viewpoints and up moves the result with it. `spacing_m`: between points of the
+// cloud. Nothing is guessed when no mirror is possible, when a sensor is said to have stood within the
+// object, and when the cloud was not seen from the viewpoints alone. Pre: finite, not empty. Throws Stopped.
 Completion completed(const PointCloud& seen_C, double spacing_m, const Observation& observation,
                      const CompletionOptions& options = {}, const StopToken& stop = {});
 

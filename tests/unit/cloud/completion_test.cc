@@ -20,12 +20,14 @@ using Verdict = SensorView::Verdict;
 
 constexpr double kSpacing_m = 0.0015;
 const Vector3d kUp = Vector3d::UnitZ();
+// How deep a round body is, its near side hardly tells.
+constexpr double kRoundTolerance_m = 0.012;
 
 struct SurfacePoint {
   Vector3d p, normal;
 };
 
-// A grid of points on the side walls and the top of an upright box that stands on z = 0.
+// A grid of points on a box that stands on z = 0.
 std::vector<SurfacePoint> boxSurface(const Vector3d& size) {
   std::vector<SurfacePoint> all;
   const Vector3d half = size / 2;
@@ -43,10 +45,8 @@ std::vector<SurfacePoint> boxSurface(const Vector3d& size) {
     }
   };
   for (const double sign : {-1.0, 1.0}) {
-    add(0, sign);
-    add(1, sign);
+    for (int axis = 0; axis < 3; ++axis) add(axis, sign);
   }
-  add(2, 1.0);
   return all;
 }
 
@@ -59,8 +59,10 @@ std::vector<SurfacePoint> canSurface(double radius, double height) {
     }
   }
   for (double r = kSpacing_m; r < radius; r += kSpacing_m) {
-    for (double a = 0; a < 2 * std::numbers::pi; a += kSpacing_m / r)
+    for (double a = 0; a < 2 * std::numbers::pi; a += kSpacing_m / r) {
       all.push_back({{r * std::cos(a), r * std::sin(a), height}, kUp});
+      all.push_back({{r * std::cos(a), r * std::sin(a), 0.0}, -kUp});
+    }
   }
   return all;
 }
@@ -91,12 +93,13 @@ PointCloud cloudOf(const std::vector<SurfacePoint>& surface) {
 const PointCloud kNothing;
 
 void expectComplete(const std::vector<SurfacePoint>& surface, const Vector3d& viewpoint,
-                    const std::optional<Vector3d>& up) {
+                    const std::optional<Vector3d>& up, double tolerance_m = 0.006) {
   const PointCloud seen = seenFrom(surface, viewpoint), truth = cloudOf(surface);
   ASSERT_LT(shareNear(truth, seen, 0.006), 0.8) << "something must be left to guess";
   const Completion guess = completed(seen, kSpacing_m, {{viewpoint}, up, kNothing});
-  EXPECT_GT(shareNear(guess.guessed_C, truth, 0.006), 0.97) << "guessed points lie on the true surface";
-  EXPECT_GT(shareNear(truth, joined(seen, guess.guessed_C), 0.008), 0.97) << "little is missing";
+  EXPECT_GT(shareNear(guess.guessed_C, truth, tolerance_m), 0.97) << "guessed points lie on the true surface";
+  EXPECT_GT(shareNear(truth, joined(seen, guess.guessed_C), tolerance_m + 0.002), 0.97)
+      << "little is missing";
 }
 
 TEST(Completion, FindsTheUnseenWallsOfABoxSeenAtACorner) {
@@ -109,13 +112,36 @@ TEST(Completion, FindsTheUnseenWallsOfABoxSeenAtACorner) {
 
 TEST(Completion, FindsTheBackOfACan) { expectComplete(canSurface(0.035, 0.10), {0.6, -0.3, 0.4}, kUp); }
 
+TEST(Completion, FindsTheUndersideOfWhatLies) {
+  std::vector<SurfacePoint> lying = canSurface(0.035, 0.18);
+  const Eigen::AngleAxisd turn(std::numbers::pi / 2, Vector3d::UnitX());
+  for (auto& [p, normal] : lying) {
+    p = turn * p;
+    normal = turn * normal;
+  }
+  expectComplete(lying, {0.4, -0.6, 0.4}, kUp, kRoundTolerance_m);
+}
+
+// A cone stands on its wide end: mirrored to its top, that would have been seen.
+TEST(Completion, UsesNoLevelMirrorThatWasSeenToBeNone) {
+  std::vector<SurfacePoint> cone;
+  for (double z = 0; z <= 0.12; z += kSpacing_m) {
+    const double radius = 0.05 * (1 - z / 0.13);
+    for (double a = 0; a < 2 * std::numbers::pi; a += kSpacing_m / radius)
+      cone.push_back({{radius * std::cos(a), radius * std::sin(a), z},
+                      Vector3d(std::cos(a), std::sin(a), 0.05 / 0.13).normalized()});
+  }
+  const Vector3d viewpoint(0.6, -0.3, 0.4);
+  const Completion guess = completed(seenFrom(cone, viewpoint), kSpacing_m, {{viewpoint}, kUp, kNothing});
+  EXPECT_GT(guess.mirrors.size(), 0u) << guess.why_not;
+  for (const Plane& mirror : guess.mirrors) EXPECT_LT(std::abs(mirror.normal_C.z()), 0.1);
+  EXPECT_GT(shareNear(guess.guessed_C, cloudOf(cone), kRoundTolerance_m), 0.97);
+}
+
 TEST(Completion, TriesTheCloudsOwnAxesWhereUpIsUnknown) {
   const Vector3d size(0.06, 0.10, 0.15), viewpoint(0.5, 0.4, 0.45);
   const PointCloud seen = seenFrom(boxSurface(size), viewpoint);
-  PointCloud truth = cloudOf(boxSurface(size));
-  for (double x = -size.x() / 2; x <= size.x() / 2; x += kSpacing_m) {
-    for (double y = -size.y() / 2; y <= size.y() / 2; y += kSpacing_m) truth.push({x, y, 0.0});
-  }
+  const PointCloud truth = cloudOf(boxSurface(size));
   const Completion guess = completed(seen, kSpacing_m, {{viewpoint}, std::nullopt, kNothing});
   EXPECT_GT(shareNear(guess.guessed_C, truth, 0.006), 0.97) << "on one of its six sides";
   EXPECT_GT(shareNear(truth, joined(seen, guess.guessed_C), 0.008), shareNear(truth, seen, 0.008) + 0.2)
