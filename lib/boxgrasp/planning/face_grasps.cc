@@ -97,7 +97,7 @@ Grasp graspFrom(const FaceWork& work, const Face& face, const Triplet& triplet,
   grasp.approach_C = grasp.X_CP.linear().col(2);
   grasp.object = work.object_index;
   grasp.box = face.node;
-  grasp.face = 2 * face.axis + (face.sign > 0);
+  grasp.face = face.number;
   grasp.configuration = configuration;
   grasp.triplet = triplet;
   return grasp;

@@ -238,7 +238,7 @@ class HypothesisSearch {
   std::vector<FaceDecision> facesOf(const PlannedObject& object, const PointGrid& scene_grid_C) {
     const StageTimer timer(tally_, StageId::faces);
     std::vector<FaceDecision> decisions =
-        graspableFaces(object.tree, scene_grid_C, surroundings_, options_.faces, stop_);
+        graspableFaces(object.tree, object.cloud_C, scene_grid_C, surroundings_, options_.faces, stop_);
     std::size_t graspable = 0;
     for (const FaceDecision& decision : decisions) {
       graspable += decision.graspable();

@@ -84,7 +84,8 @@ struct Grasp {
   QualityMeasures quality{};
   std::vector<double> inputs;  // what the network was fed, in the order of the model's features
   int object = -1, box = -1,
-      face = -1;  // indices: object of the scene; node of its tree; 2 * axis + (sign > 0)
+      face = -1;  // indices: object of the scene; node of its tree; number of the face or edge
+                  // (projection/face.h)
   HandConfiguration configuration;
   Triplet triplet;
 };

@@ -47,11 +47,9 @@ void read(Section section, CleanOptions& options) {
 }
 
 void read(Section section, CompletionOptions& options) {
-  auto& [enabled, tolerance_m, azimuth_step_rad, max_contradicted, max_contradicted_level, max_hidden] =
-      options;
+  auto& [enabled, tolerance_m, azimuth_step_rad, max_contradicted, max_hidden] = options;
   section("enabled", enabled)("tolerance_m", tolerance_m)("azimuth_step_rad", azimuth_step_rad);
   section("max_contradicted", max_contradicted);
-  section("max_contradicted_level", max_contradicted_level);
   section("max_hidden", max_hidden);
 }
 
@@ -68,9 +66,9 @@ void read(Section section, DecompositionOptions& options) {
 }
 
 void read(Section section, FaceOptions& options) {
-  auto& [inner_boxes, max_aperture_m, min_width_m, min_depth_m, hand_width_m, hand_depth_m,
+  auto& [inner_boxes, edges, max_aperture_m, min_width_m, min_depth_m, hand_width_m, hand_depth_m,
          max_blocked_fraction, max_shared_fraction, max_support_cosine] = options;
-  section("inner_boxes", inner_boxes);
+  section("inner_boxes", inner_boxes)("edges", edges);
   section("max_aperture_m", max_aperture_m)("min_width_m", min_width_m)("min_depth_m", min_depth_m);
   section("hand_width_m", hand_width_m)("hand_depth_m", hand_depth_m);
   section("max_blocked_fraction", max_blocked_fraction)("max_shared_fraction", max_shared_fraction);

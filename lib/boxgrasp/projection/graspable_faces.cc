@@ -15,24 +15,6 @@ constexpr double kJustOutside_m =
     0.002;                          // where a face is tested for neighbours, and how much these are grown
 constexpr int kSharedSamples = 12;  // samples along each edge of a face
 
-Face faceOf(const OrientedBox& box, int node, int axis, int sign) {
-  const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-  const int longer = box.extents[u] >= box.extents[v] ? u : v, shorter = u + v - longer;
-  const Vector3d outward_C = sign * box.X_CB.linear().col(axis);
-  Matrix3d R_CF;
-  R_CF.col(0) = box.X_CB.linear().col(longer);
-  R_CF.col(2) = -outward_C;
-  R_CF.col(1) = R_CF.col(2).cross(R_CF.col(0));
-  Face face;
-  face.node = node;
-  face.axis = axis;
-  face.sign = sign;
-  face.X_CF = makePose(R_CF, box.X_CB.translation() + 0.5 * box.extents[axis] * outward_C);
-  face.size = {box.extents[longer], box.extents[shorter]};
-  face.depth_m = box.extents[axis];
-  return face;
-}
-
 bool near(const Face& face, const OrientedBox& box) {
   const double reach = 0.5 * (face.size.norm() + box.extents.norm()) + 2.0 * kJustOutside_m;
   return (box.X_CB.translation() - face.X_CF.translation()).norm() <= reach;
@@ -58,7 +40,7 @@ bool inAny(const std::vector<const OrientedBox*>& boxes, const Vector3d& p_C) {
                      [&](const OrientedBox* box) { return box->contains(p_C, kJustOutside_m); });
 }
 
-double sharedFraction(const Face& face, const BoxTree& tree) {
+double coveredFraction(const Face& face, const BoxTree& tree) {
   const auto boxes = neighbours(face, tree);
   if (boxes.empty()) return 0.0;
   int covered = 0;
@@ -70,6 +52,15 @@ double sharedFraction(const Face& face, const BoxTree& tree) {
     }
   }
   return static_cast<double>(covered) / (kSharedSamples * kSharedSamples);
+}
+
+// Just outside of an edge there is nothing to tell an inside of the object from an outside: its two faces do.
+double sharedFraction(const Face& face, const BoxTree& tree) {
+  if (!isEdge(face.number)) return coveredFraction(face, tree);
+  double most = 0.0;
+  for (const int number : facesBeside(face.number))
+    most = std::max(most, coveredFraction(faceOf(tree.nodes[face.node].box, face.node, number), tree));
+  return most;
 }
 
 bool isBlocked(const Face& face, const PointGrid& scene, const FaceOptions& options) {
@@ -163,19 +154,16 @@ void FaceOptions::validate() const {
                 max_support_cosine, "in [-1, 1]");
 }
 
-std::vector<FaceDecision> graspableFaces(const BoxTree& tree, const PointGrid& scene,
-                                         const Surroundings& surroundings, const FaceOptions& options,
-                                         const StopToken& stop) {
+std::vector<FaceDecision> graspableFaces(const BoxTree& tree, const PointCloud& cloud_C,
+                                         const PointGrid& scene, const Surroundings& surroundings,
+                                         const FaceOptions& options, const StopToken& stop) {
   options.validate();
   std::vector<FaceDecision> decisions;
   for (int node = 0; node < static_cast<int>(tree.nodes.size()); ++node) {
     if (!options.inner_boxes && !tree.nodes[node].leaf()) continue;
-    for (int axis = 0; axis < 3; ++axis) {
-      for (const int sign : {-1, 1}) {
-        stop.check();
-        const Face face = faceOf(tree.nodes[node].box, node, axis, sign);
-        decisions.push_back({face, rejectionOf(face, tree, scene, surroundings, options)});
-      }
+    for (const Face& face : facesOf(tree, node, cloud_C, options.edges)) {
+      stop.check();
+      decisions.push_back({face, rejectionOf(face, tree, scene, surroundings, options)});
     }
   }
   return decisions;

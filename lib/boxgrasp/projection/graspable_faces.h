@@ -10,20 +10,9 @@
 #include "boxgrasp/decomposition/box_tree.h"
 #include "boxgrasp/geometry/point_grid.h"
 #include "boxgrasp/geometry/viewpoints.h"
+#include "boxgrasp/projection/face.h"
 
 namespace boxgrasp {
-
-// A face of a box. Frame F: origin at the face's centre, z into the box (the approach direction), x
-// along the longer edge of the face, y = z cross x: seen from outside, x points right and y down, like the
-// columns and rows of its image.
-struct Face {
-  int node = -1;  // index of the box in BoxTree::nodes
-  int axis = -1;  // box axis that the face is normal to: 0, 1 or 2
-  int sign = 0;   // +1 or -1: the side of the box along that axis
-  Pose X_CF = Pose::Identity();
-  Vector2d size{-1, -1};  // extents along x and y, metres; x >= y
-  double depth_m = -1.0;  // extent of the box along z
-};
 
 enum class FaceRejection {
   none,
@@ -42,6 +31,10 @@ struct FaceOptions {
   // The faces of inner boxes of the tree count too: coarser views of the object, for grasps that span several
   // of its parts. false: leaf boxes alone, as in the paper.
   bool inner_boxes = true;
+  // Approaches over the twelve edges of each box count too: the hand comes in between two faces, and its
+  // fingers end on surfaces that belong to several. More grasps, for twice the time and more. false: faces
+  // alone, as in the paper.
+  bool edges = false;
   // The smaller edge of a face may not be longer: twice the Barrett hand's practical reach.
   double max_aperture_m = 0.20;
   // The smaller edge may not be shorter: nothing to press against.
@@ -75,12 +68,13 @@ struct Surroundings {
   Viewpoints viewpoints_C;            // where sensors stood; unknown: no face is rejected as hidden
 };
 
-// All six faces of every box that counts, in order of node, axis, sign (-1 first), each with the reason for
-// its rejection, if any. A face with several reasons tells the first of: its size, hidden, supported, shared,
-// blocked (from the cheapest test to the dearest). `scene` holds every point that a hand could meet: the
-// object, its neighbours, the table.
-std::vector<FaceDecision> graspableFaces(const BoxTree& tree, const PointGrid& scene,
-                                         const Surroundings& surroundings, const FaceOptions& options = {},
-                                         const StopToken& stop = {});
+// All faces of every box that counts, in order of node and number, each with the reason for its rejection, if
+// any. A face with several reasons tells the first of: its size, hidden, supported, shared, blocked (from the
+// cheapest test to the dearest). An edge is shared where one of the two faces is between which it lies.
+// `cloud_C` is what the tree was made of; `scene` holds every point that a hand could meet: the object, its
+// neighbours, the table.
+std::vector<FaceDecision> graspableFaces(const BoxTree& tree, const PointCloud& cloud_C,
+                                         const PointGrid& scene, const Surroundings& surroundings,
+                                         const FaceOptions& options = {}, const StopToken& stop = {});
 
 }  // namespace boxgrasp

@@ -214,11 +214,11 @@ cv::Mat3b drawFace(const FaceTrace& face, int side_px) {
   }
   drawRegions(drawing, view, face.regions);
   drawTriplets(drawing, view, face.triplets);
-  label(drawing,
-        fmt::format("box {} face {}{}: {} regions, {} triplets, {} clear", face.decision.face.node,
-                    face.decision.face.sign > 0 ? '+' : '-', "xyz"[face.decision.face.axis],
-                    face.regions.size(), face.triplets.size(), face.clear),
-        8, side_px - 10, 0.4);
+  label(
+      drawing,
+      fmt::format("box {} face {}: {} regions, {} triplets, {} clear", face.decision.face.node,
+                  faceName(face.decision.face.number), face.regions.size(), face.triplets.size(), face.clear),
+      8, side_px - 10, 0.4);
   return drawing;
 }
 

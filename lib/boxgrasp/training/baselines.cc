@@ -95,7 +95,8 @@ std::vector<Face> graspableLeafFaces(const BoxTree& tree, const PointCloud& clou
   FaceOptions options;
   options.inner_boxes = false;
   std::vector<Face> faces;
-  for (const FaceDecision& decision : graspableFaces(tree, PointGrid(cloud, kSceneCell_m), {}, options)) {
+  for (const FaceDecision& decision :
+       graspableFaces(tree, cloud, PointGrid(cloud, kSceneCell_m), {}, options)) {
     if (decision.graspable()) faces.push_back(decision.face);
   }
   return faces;
@@ -146,7 +147,7 @@ std::vector<HypothesisRecord> approachHypotheses(const HandDescription& hand, co
             hypothesis(GraspSource::approach, static_cast<int>(records.size()), X_OP, openHand(hand, spread));
         record.approach_m = clearWay(hand, X_OP, tree_O.nodes.front().box.corners());
         record.box = face.node;
-        record.face = 2 * face.axis + (face.sign > 0);
+        record.face = face.number;
         records.push_back(record);
       }
     }

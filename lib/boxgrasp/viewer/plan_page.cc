@@ -99,8 +99,8 @@ Json faceJson(const FaceTrace& trace, const ViewerOptions& options) {
   Json json = poseJson(face.X_CF);
   json["object"] = trace.object;
   json["box"] = face.node;
-  json["face"] = 2 * face.axis + (face.sign > 0);
-  json["name"] = fmt::format("box {} face {}{}", face.node, face.sign > 0 ? '+' : '-', "xyz"[face.axis]);
+  json["face"] = face.number;
+  json["name"] = fmt::format("box {} face {}", face.node, faceName(face.number));
   json["size_m"] = {face.size.x(), face.size.y()};
   json["rejection"] = trace.decision.graspable() ? "" : std::string(describe(trace.decision.rejection));
   json["regions"] = trace.regions.size();

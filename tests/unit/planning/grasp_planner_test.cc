@@ -100,6 +100,26 @@ TEST_P(PlannerOnObjects, EveryGraspTouchesHoldsReachesAndIsClear) {
   }
 }
 
+TEST_P(PlannerOnObjects, EdgesAddGraspsAndTakeNoneAway) {
+  const PlanRequest request = requestFor(cloudOf(GetParam()), 0);
+  PlannerOptions options;
+  options.merge_distance_m = 0.0;  // all of them
+  const PlanResult faces = GraspPlanner(barrettHand(), test::linearModel(), options).plan(request);
+  options.faces.edges = true;
+  const PlanResult both = GraspPlanner(barrettHand(), test::linearModel(), options).plan(request);
+  std::size_t on_faces = 0;
+  for (const Grasp& grasp : both.grasps) {
+    on_faces += !isEdge(grasp.face);
+    const OrientedBox& box = both.objects[0].tree.nodes[static_cast<std::size_t>(grasp.box)].box;
+    const std::array<int, 3> sides = sidesOf(grasp.face);
+    const Vector3d outward_C = box.X_CB.linear() * Vector3d(sides[0], sides[1], sides[2]).normalized();
+    EXPECT_NEAR(grasp.approach_C.dot(outward_C), -1.0, 1e-9)
+        << "the hand comes straight at " << faceName(grasp.face);
+  }
+  EXPECT_EQ(on_faces, faces.grasps.size()) << "what is on the faces is the same with edges as without";
+  EXPECT_LT(on_faces, both.grasps.size()) << "no grasp over an edge";
+}
+
 TEST_P(PlannerOnObjects, GraspsMoveWithTheCloud) {
   const PointCloud cloud_C = cloudOf(GetParam());
   const PlanResult still = planner().plan(requestFor(cloud_C, 0));

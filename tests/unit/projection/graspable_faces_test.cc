@@ -38,12 +38,12 @@ BoxTree treeOf(const std::vector<OrientedBox>& leaves) {
 std::vector<FaceDecision> decide(const BoxTree& tree, const PointCloud& scene,
                                  const Surroundings& around = {}, FaceOptions options = {}) {
   options.inner_boxes = false;
-  return graspableFaces(tree, PointGrid(scene, 0.01), around, options);
+  return graspableFaces(tree, PointCloud(), PointGrid(scene, 0.01), around, options);
 }
 
 FaceRejection rejectionOf(const std::vector<FaceDecision>& decisions, int node, int axis, int sign) {
   for (const auto& d : decisions) {
-    if (d.face.node == node && d.face.axis == axis && d.face.sign == sign) return d.rejection;
+    if (d.face.node == node && d.face.number == 2 * axis + (sign > 0)) return d.rejection;
   }
   ADD_FAILURE() << "no face of node " << node << ", axis " << axis << ", sign " << sign;
   return FaceRejection::none;
@@ -61,8 +61,9 @@ TEST(GraspableFaces, FramesAreRightHandedAndLookIntoTheBox) {
     ASSERT_EQ(decisions.size(), 6u);
     for (int i = 0; i < 6; ++i) {
       const Face& face = decisions[i].face;
-      EXPECT_EQ(face.axis, i / 2) << "faces come in order of axis";
-      EXPECT_EQ(face.sign, i % 2 ? 1 : -1) << "and sign, -1 first";
+      EXPECT_EQ(face.number, i);
+      const Vector3d outward_C = (i % 2 ? 1 : -1) * box.X_CB.linear().col(i / 2);
+      EXPECT_TRUE(face.X_CF.linear().col(2).isApprox(-outward_C)) << "numbers tell axis and side";
       EXPECT_NEAR(face.X_CF.linear().determinant(), 1.0, 1e-12);
       EXPECT_GE(face.size.x(), face.size.y());
       EXPECT_NEAR(face.size.x() * face.size.y() * face.depth_m, box.volume(), 1e-12);
@@ -122,7 +123,7 @@ TEST(GraspableFaces, FacesTurnedAwayFromTheSensorAreHidden) {
 TEST(GraspableFaces, TheFaceTowardsTheGroundIsSupported) {
   const auto decisions = decide(treeOf({kBox}), {}, {Vector3d(0, 0, -1), {}});
   for (const auto& [face, rejection] : decisions) {
-    const bool down = face.axis == 2 && face.sign == -1;
+    const bool down = faceName(face.number) == "-z";
     EXPECT_EQ(rejection, down ? FaceRejection::supported : FaceRejection::none);
   }
 }
@@ -135,8 +136,30 @@ TEST(GraspableFaces, TheFacesOnBothSidesOfACutAreShared) {
   const auto decisions = decide(treeOf({left, right}), {});
   ASSERT_EQ(decisions.size(), 12u);
   for (const auto& [face, rejection] : decisions) {
-    const bool inner = face.axis == 0 && face.sign == (face.node == 1 ? 1 : -1);
+    const bool inner = faceName(face.number) == (face.node == 1 ? "+x" : "-x");
     EXPECT_EQ(rejection, inner ? FaceRejection::shared : FaceRejection::none) << describe(rejection);
+  }
+}
+
+TEST(GraspableFaces, AnEdgeIsSharedWhereOneOfItsFacesIs) {
+  const OrientedBox left{Pose(Eigen::Translation3d(-0.05, 0, 0)), {0.098, 0.08, 0.06}};
+  const OrientedBox right{Pose(Eigen::Translation3d(0.05, 0, 0)), {0.098, 0.08, 0.06}};
+  BoxTree tree = treeOf({left, right});
+  PointCloud cloud;
+  for (const int leaf : {1, 2}) {
+    for (const Vector3d& corner : tree.nodes[leaf].box.corners()) {
+      tree.nodes[leaf].points.push_back(static_cast<std::uint32_t>(cloud.size()));
+      cloud.push(corner);
+    }
+  }
+  FaceOptions options;
+  options.inner_boxes = false;
+  options.edges = true;
+  const auto decisions = graspableFaces(tree, cloud, PointGrid(cloud, 0.01), {}, options);
+  ASSERT_EQ(decisions.size(), 36u);
+  for (const auto& [face, rejection] : decisions) {
+    const bool inner = sidesOf(face.number)[0] == (face.node == 1 ? 1 : -1);
+    EXPECT_EQ(rejection, inner ? FaceRejection::shared : FaceRejection::none) << faceName(face.number);
   }
 }
 
@@ -203,7 +226,7 @@ TEST(GraspableFaces, PointsOfTheFaceAndBeyondTheFingersDoNotBlock) {
 TEST(GraspableFaces, AnExpiredTokenStops) {
   const StopToken expired(StopToken::Clock::now());
   const PointCloud scene;
-  EXPECT_THROW(graspableFaces(treeOf({kBox}), PointGrid(scene, 0.01), {}, {}, expired), Stopped);
+  EXPECT_THROW(graspableFaces(treeOf({kBox}), scene, PointGrid(scene, 0.01), {}, {}, expired), Stopped);
 }
 
 TEST(GraspableFaces, ABadOptionIsNamed) {
@@ -241,12 +264,12 @@ TEST(GraspableFaces, CountInnerBoxesOnRequest) {
   FaceOptions options;
   options.inner_boxes = true;
   std::map<int, int> graspable;
-  for (const FaceDecision& decision : graspableFaces(tree, nothing, {}, options))
+  for (const FaceDecision& decision : graspableFaces(tree, no_points, nothing, {}, options))
     graspable[decision.face.node] += decision.graspable();
   EXPECT_EQ(graspable, (std::map<int, int>{{0, 6}, {1, 5}, {2, 5}}))
       << "only the cubes' common faces are shared";
   options.inner_boxes = false;
-  EXPECT_EQ(graspableFaces(tree, nothing, {}, options).size(), 12u);
+  EXPECT_EQ(graspableFaces(tree, no_points, nothing, {}, options).size(), 12u);
 }
 
 }  // namespace
