@@ -55,6 +55,10 @@ struct Endings {
 struct Rates {
   std::string object;
   Endings hypotheses, best_tenth, worst_tenth, first, top, any, random, random_clear;
+  std::size_t found = 0;  // hypotheses of all plans, tried or not
+  double plan_time_s = 0.0;
+
+  double perPlan(double sum) const { return sum / std::max(1.0, static_cast<double>(first.of())); }
 };
 
 struct Column {
@@ -124,6 +128,7 @@ class Rater {
 
   Rates ratesOf(const ObjectSource& source);
   const std::vector<double>& firstBySeed() const { return first_by_seed_; }
+  const std::vector<std::string>& changedOptions() const { return planning_.changed; }
   void finish();
 
  private:
@@ -208,6 +213,8 @@ void Rater::addPlan(const TriedObject& object, const std::string& view, int seed
   const SightOptions sight{.cameras = command_.views,
                            .seed = command_.seed + static_cast<unsigned>(seed_index)};
   FoundGrasps found = findGrasps(planning_, object, view, sight, stop_);
+  rates.found += found.hypotheses.size();
+  rates.plan_time_s += found.time_s;
   found.answer.resize(std::min(found.answer.size(), kTop));
   addAnswer(tryAll(object, found.answer, GraspSource::planner), static_cast<std::size_t>(seed_index), rates);
   if (command_.answers_only) return;
@@ -247,6 +254,8 @@ Rates sumOf(const std::vector<Rates>& all) {
   sum.object = "all";
   for (const Rates& rates : all) {
     for (const Column& column : kColumns) (sum.*column.endings).add(rates.*column.endings);
+    sum.found += rates.found;
+    sum.plan_time_s += rates.plan_time_s;
   }
   return sum;
 }
@@ -275,12 +284,13 @@ void printTable(const std::vector<Rates>& all, const RatesCommand& command) {
   printRow(sum);
   fmt::print("how the first grasps ended:");
   for (const auto& [word, count] : sum.first.words) fmt::print(" {} {};", count, word);
-  fmt::print("\n");
+  fmt::print("\nof one plan: {:.0f} hypotheses, {:.3f} s\n", sum.perPlan(static_cast<double>(sum.found)),
+             sum.perPlan(sum.plan_time_s));
   for (const Column& column : kColumns) fmt::print("{}: {}\n", column.name, column.meaning);
 }
 
 json asJson(const Rates& rates) {
-  json row{{"object", rates.object}};
+  json row{{"object", rates.object}, {"found", rates.found}, {"plan_time_s", rates.plan_time_s}};
   for (const Column& column : kColumns) {
     std::string key = column.name;
     std::replace(key.begin(), key.end(), ' ', '_');
@@ -303,6 +313,7 @@ json reportOf(const std::vector<Rates>& all, const Rater& rater, const RatesComm
   json report{{"schema", 1},
               {"protocol", command.protocol},
               {"seen", command.seen},
+              {"changed_options", rater.changedOptions()},
               {"objects", json::array()},
               {"all", asJson(sumOf(all))},
               {"first_by_seed", rater.firstBySeed()}};

@@ -54,7 +54,13 @@ Planning planningWith(const std::optional<std::filesystem::path>& hand,
                       const std::optional<std::filesystem::path>& config) {
   Planning planning;
   planning.hand = handOrBarrett(hand);
-  if (config) planning.options = readPlannerOptions(*config);
+  if (config) {
+    ConfigFile file(*config);
+    planning.options = readPlannerOptions(file);
+    file.skip("server");
+    file.finish();
+    planning.changed = file.changed();
+  }
   planning.options.scene.whole = true;
   planning.model = modelOrDefault({}, planning.hand);
   return planning;
@@ -69,7 +75,11 @@ FoundGrasps findGrasps(const Planning& planning, const TriedObject& object, cons
   const PlanResult best = GraspPlanner(planning.hand, planning.model, planning.options).plan(request, stop);
   stop.check();
   const double approach_m = planning.options.clearance.approach_m;
-  FoundGrasps found{recordsOf(all.grasps, approach_m), recordsOf(best.grasps, approach_m), {}, best.message};
+  FoundGrasps found{recordsOf(all.grasps, approach_m),
+                    recordsOf(best.grasps, approach_m),
+                    {},
+                    best.message,
+                    best.report.time_s};
   if (!all.objects.empty())
     found.approach = approachHypotheses(planning.hand, all.objects.front().tree, all.objects.front().cloud_C);
   return found;

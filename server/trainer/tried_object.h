@@ -40,6 +40,7 @@ std::vector<ObjectSource> sourcesOf(const std::string& set, const std::vector<do
 struct Planning {
   HandDescription hand = barrettHand();
   PlannerOptions options;
+  std::vector<std::string> changed;  // which of them a file gave other values than the defaults
   Model model;
 };
 
@@ -52,6 +53,7 @@ struct FoundGrasps {
   std::vector<HypothesisRecord> answer;      // what a robot would get: distinct ones, the best first
   std::vector<HypothesisRecord> approach;    // approach-and-close (paper, ref. [11])
   std::string message;                       // of the plan
+  double time_s = 0.0;                       // ... and how long it took
 };
 
 // Plans on what `view` shows of the object (training/sights.h), as one object. No grasps are no error.

@@ -227,6 +227,23 @@ TEST(Rates, CountPlansOfEachSightAndSeedAndSayHowTheyEnded) {
   EXPECT_EQ(ends, 6) << first.dump();
 }
 
+TEST(Rates, PlanAsTheConfigurationSays) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "edges.toml") << "[faces]\nedges = true\n[planner]\nthreads = 0\n";
+  smallBlock(folder);
+  const auto ratesWith = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"rates", "--objects", folder / "", "--answers-only", "--json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Finished rates = trainer(arguments);
+    EXPECT_EQ(rates.code, kDone) << rates.err;
+    return json::parse(rates.out);
+  };
+  const json faces = ratesWith({}), edges = ratesWith({"--config", folder / "edges.toml"});
+  EXPECT_EQ(faces["changed_options"], json::array());
+  EXPECT_EQ(edges["changed_options"], json::array({"faces.edges"})) << "threads are as by default";
+  EXPECT_GT(edges["all"]["found"], faces["all"]["found"]) << "more faces to grasp at, more grasps";
+}
+
 TEST(Rates, RefuseWhatTheyDoNotKnow) {
   EXPECT_THAT(trainer({"rates", "--seen", "half"}).err, HasSubstr("whole, view or pair"));
   EXPECT_THAT(trainer({"rates", "--protocol", "throw"}).err, HasSubstr("six_gravities"));
