@@ -47,9 +47,11 @@ void read(Section section, CleanOptions& options) {
 }
 
 void read(Section section, CompletionOptions& options) {
-  auto& [enabled, tolerance_m, azimuth_step_rad, max_contradicted, max_hidden] = options;
+  auto& [enabled, tolerance_m, azimuth_step_rad, max_contradicted, max_contradicted_level, max_hidden] =
+      options;
   section("enabled", enabled)("tolerance_m", tolerance_m)("azimuth_step_rad", azimuth_step_rad);
   section("max_contradicted", max_contradicted);
+  section("max_contradicted_level", max_contradicted_level);
   section("max_hidden", max_hidden);
 }
 
