@@ -6,15 +6,13 @@
 #include <cmath>
 
 #include "boxgrasp/base/error.h"
-#include "boxgrasp/base/parallel.h"
-#include "boxgrasp/planning/face_grasps.h"
+#include "boxgrasp/planning/object_grasps.h"
 #include "boxgrasp/planning/obstacles.h"
 
 namespace boxgrasp {
 namespace {
 
-constexpr double kSceneCell_m = 0.010;   // of the grid over all points: about a link's radius
-constexpr double kObjectCell_m = 0.006;  // of the grid over an object: about the search radius of contacts
+constexpr double kSceneCell_m = 0.010;  // of the grid over all points: about a link's radius
 constexpr double kTableReach_m =
     0.20;  // the table is filled in this far around an object: an open hand's span
 constexpr double kTableSpacing_m = 0.005;
@@ -65,17 +63,6 @@ PointCloud background(const PointCloud& cloud_C, const Scene& scene) {
   }
   return select(cloud_C, rest);
 }
-
-// What was found on the faces of an object, face by face.
-struct SearchedFaces {
-  explicit SearchedFaces(std::size_t faces) : grasps(faces), tallies(faces), traces(faces) {}
-  bool found() const {
-    return std::any_of(grasps.begin(), grasps.end(), [](const auto& on_face) { return !on_face.empty(); });
-  }
-  std::vector<std::vector<Grasp>> grasps;
-  std::vector<Tally> tallies;
-  std::vector<FaceTrace> traces;
-};
 
 // One plan, from request to result. Each method is a stage of the paper.
 class HypothesisSearch {
@@ -235,85 +222,13 @@ class HypothesisSearch {
     }
   }
 
-  std::vector<FaceDecision> facesOf(const PlannedObject& object, const PointGrid& scene_grid_C) {
-    const StageTimer timer(tally_, StageId::faces);
-    std::vector<FaceDecision> decisions =
-        graspableFaces(object.tree, object.cloud_C, scene_grid_C, surroundings_, options_.faces, stop_);
-    std::size_t graspable = 0;
-    for (const FaceDecision& decision : decisions) {
-      graspable += decision.graspable();
-      if (!decision.graspable()) tally_.reject(describe(decision.rejection));
-    }
-    tally_.count(StageId::faces, decisions.size(), graspable);
-    return decisions;
-  }
-
-  // A hand comes along the z of the face that it grasps at.
-  void keepAllowedApproaches(std::vector<FaceDecision>& decisions) {
-    if (!robot_.restrictsApproach()) return;
-    const StageTimer timer(tally_, StageId::approach);
-    std::size_t graspable = 0, allowed = 0;
-    for (FaceDecision& decision : decisions) {
-      if (!decision.graspable()) continue;
-      ++graspable;
-      if (robot_.mayComeAlong(decision.face.X_CF.linear().col(2))) {
-        ++allowed;
-      } else {
-        decision.rejection = FaceRejection::not_allowed;
-        tally_.reject(describe(decision.rejection));
-      }
-    }
-    tally_.count(StageId::approach, graspable, allowed);
-  }
-
   void graspObject(int index, const PointGrid& scene_grid_C) {
-    const PlannedObject& object = result_.objects[index];
-    const PointGrid object_grid_C(object.cloud_C, kObjectCell_m);
-    const auto workWith = [&](const PlannerOptions& options) -> FaceWork {
-      return {hand_,
-              options,
-              object,
-              index,
-              object_grid_C,
-              scene_grid_C,
-              request_.viewpoints_C,
-              robot_,
-              surroundings_.gravity_C,
-              stop_};
-    };
-    std::vector<FaceDecision> decisions = facesOf(object, scene_grid_C);
-    keepAllowedApproaches(decisions);
-
-    SearchedFaces searched = searchFaces(workWith(options_), decisions);
-    if (options_.force_closure == ForceClosureUse::prefer && !searched.found()) {
-      PlannerOptions without = options_;
-      without.force_closure = ForceClosureUse::ignore;
-      SearchedFaces again = searchFaces(workWith(without), decisions);
-      if (again.found()) {
-        note(fmt::format("object {}: no grasp's contacts are in force closure; these are without", index));
-        searched = std::move(again);
-      }
-    }
-    keep(std::move(searched));
-  }
-
-  SearchedFaces searchFaces(const FaceWork& work, const std::vector<FaceDecision>& decisions) const {
-    SearchedFaces searched(decisions.size());
-    parallelFor(decisions.size(), options_.threads, [&](std::size_t i) {
-      searched.traces[i].object = work.object_index;
-      searched.traces[i].decision = decisions[i];
-      if (decisions[i].graspable())
-        searched.grasps[i] = graspsOnFace(work, decisions[i].face, searched.tallies[i],
-                                          trace_ ? &searched.traces[i] : nullptr);
-    });
-    return searched;
-  }
-
-  void keep(SearchedFaces searched) {
-    for (const Tally& tally : searched.tallies) tally_.add(tally);
-    for (auto& grasps : searched.grasps)
-      std::move(grasps.begin(), grasps.end(), std::back_inserter(result_.grasps));
-    if (trace_) std::move(searched.traces.begin(), searched.traces.end(), std::back_inserter(trace_->faces));
+    const ObjectWork work{hand_, options_, scene_grid_C, surroundings_, robot_, stop_};
+    ObjectGrasps found = graspsOnObject(work, result_.objects[index], index, trace_ != nullptr);
+    if (!found.note.empty()) note(fmt::format("object {}: {}", index, found.note));
+    tally_.add(found.tally);
+    std::move(found.grasps.begin(), found.grasps.end(), std::back_inserter(result_.grasps));
+    if (trace_) std::move(found.traces.begin(), found.traces.end(), std::back_inserter(trace_->faces));
   }
 
   const HandDescription& hand_;

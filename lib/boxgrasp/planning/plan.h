@@ -44,6 +44,9 @@ struct PlannerOptions {
   // Force closure of a grasp's contacts, as far as the cloud tells their normals. `prefer`: only such grasps,
   // unless an object has none; about a third of the others are held all the same.
   ForceClosureUse force_closure = ForceClosureUse::prefer;
+  // Where an object has no grasp on the side that was seen: come to the faces that no sensor saw too, if their
+  // points were guessed.
+  bool guessed_faces = true;
   // Prefer fingers in slightly concave places (a wish of the paper, III.A): added to a grasp's score
   // are so many standard deviations of its object's scores for each radian that the outline turns inwards
   // along the fingers' regions, on average, or taken off where it turns outwards. 0: the network's score

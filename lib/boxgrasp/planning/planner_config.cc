@@ -153,8 +153,8 @@ void readStage(ConfigFile& file, const std::string& section, Options& options) {
 PlannerOptions readPlannerOptions(ConfigFile& file) {
   PlannerOptions options;
   auto& [validation, scene, clean, completion, decomposition, faces, image, contours, regions, triplets,
-         configurations, contacts, clearance, shapes, robot, depth_model, force_closure, concavity_weight,
-         merge_distance_m, merge_angle_rad, threads] = options;
+         configurations, contacts, clearance, shapes, robot, depth_model, force_closure, guessed_faces,
+         concavity_weight, merge_distance_m, merge_angle_rad, threads] = options;
   readStage(file, "validation", validation);
   readStage(file, "scene", scene);
   readStage(file, "clean", clean);
@@ -173,7 +173,7 @@ PlannerOptions readPlannerOptions(ConfigFile& file) {
   Section planner(file, "planner");
   planner("depth_model", depth_model, {"exact", "linear"})("force_closure", force_closure,
                                                            {"require", "prefer", "ignore"});
-  planner("concavity_weight", concavity_weight);
+  planner("guessed_faces", guessed_faces)("concavity_weight", concavity_weight);
   planner("merge_distance_m", merge_distance_m)("merge_angle_rad", merge_angle_rad)("threads", threads);
   file.validate("planner", [&] { options.validate(); });
   return options;
