@@ -204,7 +204,9 @@ std::optional<HandConfiguration> raise(const HandDescription& hand, const Reach&
   for (int finger = 0; finger < 3; ++finger) {
     result.extension_m[finger] = planar.reach[finger] - hand.base_radius;
     result.joints.inner[finger] = innerForExtension(hand, result.extension_m[finger], reach).value();
-    result.tip_height_m[finger] = tipHeight(hand, result.joints.inner[finger]);
+    result.tip_height_m[finger] = options.depth_model == DepthModel::exact || hand.prismatic()
+                                      ? tipHeight(hand, result.joints.inner[finger])
+                                      : linearDepth(hand, result.extension_m[finger]);
     const Vector2d outwards = fingerDirection(static_cast<Finger>(finger), planar.spread);
     result.push_F[finger] = -(outwards.x() * k + outwards.y() * h);
   }

@@ -34,6 +34,10 @@ struct ConfigurationOptions {
   // all.
   double min_turn_rad = 0.087;
 
+  // How high the fingertips stand above the palm at an extension, which is what puts the palm at its height:
+  // by the hand's kinematics, or by the paper's line g(e), which jaws have not.
+  DepthModel depth_model = DepthModel::exact;
+
   void validate() const;
 };
 

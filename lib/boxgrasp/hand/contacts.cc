@@ -1,17 +1,21 @@
 #include "boxgrasp/hand/contacts.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <numbers>
 
 #include "boxgrasp/base/error.h"
+#include "boxgrasp/base/tolerances.h"
 #include "boxgrasp/geometry/surface_normal.h"
 
 namespace boxgrasp {
 namespace {
 
 constexpr double kSpacingsForPlane =
-    2.5;  // in the neighbourhood of so many spacings there are about 20 points
+    2.5;                            // in the neighbourhood of so many spacings there are about 20 points
+constexpr double kWay_rad = 0.2;    // a finger meets the surface so near to where it was planned to, or not
+constexpr double kStep_rad = 0.02;  // of a closing finger: its tip moves by less than half its radius
 
 // What one finger touches, or why nothing.
 struct Touch {
@@ -52,6 +56,61 @@ bool isUnseen(const Vector3d& p_C, const Vector3d& inward_C, const Viewpoints& v
   return !viewpoints_C.empty() && !facesASensor(p_C, -inward_C, viewpoints_C);
 }
 
+// A finger that closes on the points in its way.
+class ClosingFinger {
+ public:
+  ClosingFinger(const HandDescription& hand, const FingerPlane& plane) : hand_(hand), plane_(plane) {}
+
+  // Points that the tip passes by count for nothing.
+  void add(const Vector3d& p_P) {
+    const Vector3d p = plane_.coordinates(p_P);
+    if (std::abs(p.z()) <= hand_.tip_radius) points_.push_back({p, p_P});
+  }
+
+  // The angle at which its tip comes to the first point, on its way past `planned`.
+  std::optional<double> meets(double planned) const {
+    double open = std::max(hand_.inner_min, planned - kWay_rad);
+    const double last = std::min(hand_.inner_max, planned + kWay_rad);
+    if (touches(open)) return std::nullopt;
+    double closed = open;
+    while (!touches(closed)) {
+      if (closed >= last) return std::nullopt;
+      open = closed;
+      closed = std::min(last, closed + kStep_rad);
+    }
+    for (double mid = 0.5 * (open + closed); closed - open > tolerance::kAngle; mid = 0.5 * (open + closed))
+      (touches(mid) ? closed : open) = mid;
+    return closed;
+  }
+
+  Vector3d nearest(double inner) const {
+    const Vector2d tip = fingertipInPlane(hand_, inner);
+    return std::min_element(points_.begin(), points_.end(),
+                            [&](const Point& a, const Point& b) {
+                              return squaredDistance(a, tip) < squaredDistance(b, tip);
+                            })
+        ->p_P;
+  }
+
+ private:
+  struct Point {
+    Vector3d in_plane, p_P;
+  };
+  static double squaredDistance(const Point& point, const Vector2d& tip) {
+    return (point.in_plane - Vector3d(tip.x(), tip.y(), 0)).squaredNorm();
+  }
+  bool touches(double inner) const {
+    const Vector2d tip = fingertipInPlane(hand_, inner);
+    const double r2 = hand_.tip_radius * hand_.tip_radius;
+    return std::any_of(points_.begin(), points_.end(),
+                       [&](const Point& point) { return squaredDistance(point, tip) <= r2; });
+  }
+
+  const HandDescription& hand_;
+  const FingerPlane& plane_;
+  std::vector<Point> points_;
+};
+
 }  // namespace
 
 void ContactOptions::validate() const {
@@ -68,6 +127,8 @@ std::string_view describe(ContactRejection rejection) {
       return "no surface where a fingertip ends";
     case ContactRejection::facing_away:
       return "surface at a fingertip faces away";
+    case ContactRejection::not_met:
+      return "finger does not come to the surface";
   }
   return "unknown";
 }
@@ -88,6 +149,30 @@ Contacts findContacts(const Face& face, const Triplet& triplet, const HandConfig
     result.contacts[finger] = found.contact;
   }
   return result;
+}
+
+Contacts meetSurface(const HandDescription& hand, const Pose& X_CP, HandJoints& joints, Contacts planned,
+                     const PointGrid& object_C, double spacing_m, const ContactOptions& options) {
+  assert(!planned.rejection && !hand.prismatic());
+  const Pose X_PC = X_CP.inverse();
+  const double way_m =
+      kWay_rad * (1 + hand.coupling) * (hand.inner_length + hand.tip_length) + 2 * hand.tip_radius;
+  for (int finger = 0; finger < 3; ++finger) {
+    SurfaceContact& contact = planned.contacts[finger];
+    if (!contact.seen) continue;
+    const FingerPlane plane(hand, static_cast<Finger>(finger), joints.spread);
+    ClosingFinger closing(hand, plane);
+    for (const std::uint32_t i : object_C.within(contact.p_C, way_m))
+      closing.add(X_PC * object_C.cloud().point(i));
+    const auto inner = closing.meets(joints.inner[finger]);
+    if (!inner) return {{}, ContactRejection::not_met};
+    const Vector3d met_C = X_CP * closing.nearest(*inner);
+    const Touch found = touch(met_C, contact.normal_C, object_C, spacing_m, options);
+    if (found.rejection) return {{}, found.rejection};
+    joints.inner[finger] = *inner;
+    contact = {met_C, found.contact.normal_C};
+  }
+  return planned;
 }
 
 }  // namespace boxgrasp

@@ -22,6 +22,12 @@ struct ContactOptions {
   // The surface normal may lean this far from the region's normal (60 degrees).
   double max_normal_tilt_rad = 1.05;
 
+  // Each finger is closed until its tip meets the surface in space, at the depth at which it ends: the whole
+  // inverse kinematics, instead of that of the outline. Where an object narrows below its outline the finger
+  // closes farther, and its contact is where it will be. false: the outline's points dropped onto the
+  // surface.
+  bool meet_surface = false;
+
   void validate() const;
 };
 
@@ -32,7 +38,7 @@ struct SurfaceContact {
                      // of the outline
 };
 
-enum class ContactRejection { no_surface, facing_away };
+enum class ContactRejection { no_surface, facing_away, not_met };
 std::string_view describe(ContactRejection rejection);
 
 // The contacts by finger (F1, F2, F3), or why there are none. A contact is the planned point of a fingertip,
@@ -47,5 +53,13 @@ struct Contacts {
 Contacts findContacts(const Face& face, const Triplet& triplet, const HandConfiguration& configuration,
                       const PointGrid& object_C, double spacing_m, const Viewpoints& viewpoints_C,
                       const ContactOptions& options = {});
+
+// Full inverse kinematics: closes each finger of the hand at X_CP until its tip comes to the first point of
+// the cloud, and puts contact and joint angle there, each finger at its own depth. The angle is the least,
+// from 0.2 rad before the planned one to as much beyond it; where the tip touches nothing on that way, or
+// something before it, the rejection says so. Contacts that are not seen stay as they are. Pre: the hand's
+// fingers turn; `planned` has no rejection.
+Contacts meetSurface(const HandDescription& hand, const Pose& X_CP, HandJoints& joints, Contacts planned,
+                     const PointGrid& object_C, double spacing_m, const ContactOptions& options = {});
 
 }  // namespace boxgrasp

@@ -39,30 +39,6 @@ constexpr std::string_view kLinkNames[3][3] = {{"F1 knuckle", "F1 inner link", "
                                                {"F2 knuckle", "F2 inner link", "F2 outer link"},
                                                {"thumb knuckle", "thumb inner link", "thumb outer link"}};
 
-Vector2d baseOf(const HandDescription& hand, int finger) {
-  const double side = finger == kF1 ? 1.0 : finger == kF2 ? -1.0 : 0.0;
-  return {side * hand.spread_offset, 0.0};
-}
-
-// Points of one finger's plane in P.
-class FingerPlane {
- public:
-  FingerPlane(const HandDescription& hand, int finger, double spread)
-      : base_(baseOf(hand, finger)),
-        direction_(fingerDirection(static_cast<Finger>(finger), spread)),
-        radius_(hand.base_radius),
-        height_(hand.joint_height) {}
-  Vector3d at(const Vector2d& in_plane) const {
-    const Vector2d p = base_ + (radius_ + in_plane.x()) * direction_;
-    return {p.x(), p.y(), height_ + in_plane.y()};
-  }
-  Vector3d base() const { return {base_.x(), base_.y(), height_}; }
-
- private:
-  Vector2d base_, direction_;
-  double radius_, height_;
-};
-
 void placeFinger(const HandDescription& hand, int finger, double joint, const FingerPlane& plane,
                  Capsule* links) {
   const auto& names = kLinkNames[finger];
@@ -86,6 +62,26 @@ void placeJaw(const HandDescription& hand, int finger, double joint, const Finge
 }
 
 }  // namespace
+
+FingerPlane::FingerPlane(const HandDescription& hand, Finger finger, double spread)
+    : base_((finger == kF1   ? 1.0
+             : finger == kF2 ? -1.0
+                             : 0.0) *
+                hand.spread_offset,
+            0.0),
+      direction_(fingerDirection(finger, spread)),
+      radius_(hand.base_radius),
+      height_(hand.joint_height) {}
+
+Vector3d FingerPlane::at(const Vector2d& in_plane) const {
+  const Vector2d p = base_ + (radius_ + in_plane.x()) * direction_;
+  return {p.x(), p.y(), height_ + in_plane.y()};
+}
+
+Vector3d FingerPlane::coordinates(const Vector3d& p_P) const {
+  const Vector2d p = p_P.head<2>() - base_;
+  return {p.dot(direction_) - radius_, p_P.z() - height_, p.x() * direction_.y() - p.y() * direction_.x()};
+}
 
 Vector2d fingertipInPlane(const HandDescription& hand, double inner) {
   if (hand.prismatic())
@@ -152,7 +148,7 @@ HandGeometry forwardKinematics(const HandDescription& hand, const HandJoints& jo
   geometry.palm_radius = hand.palm_radius;
   geometry.palm_thickness = hand.palm_thickness;
   for (int finger = 0; finger < 3; ++finger) {
-    const FingerPlane plane(hand, finger, joints.spread);
+    const FingerPlane plane(hand, static_cast<Finger>(finger), joints.spread);
     const double joint = joints.inner[finger];
     (hand.prismatic() ? placeJaw : placeFinger)(hand, finger, joint, plane, &geometry.links[3 * finger]);
     geometry.tips_P[finger] = plane.at(fingertipInPlane(hand, joint));

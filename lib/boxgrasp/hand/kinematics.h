@@ -45,6 +45,9 @@ std::optional<double> innerForExtension(const HandDescription& hand, double exte
 double tipHeight(const HandDescription& hand, double inner);
 double linearDepth(const HandDescription& hand, double extension_m);
 
+// Which of the two is believed.
+enum class DepthModel { exact, linear };
+
 // A link as a capsule: all points within radius of the segment.
 struct Capsule {
   std::string_view name;  // "F1 inner link", ...
@@ -62,6 +65,19 @@ struct HandGeometry {
   double palm_radius, palm_thickness;
 };
 HandGeometry forwardKinematics(const HandDescription& hand, const HandJoints& joints);
+
+// The plane in which a finger moves, upright on the palm: where points of it are in P, and points of P in it.
+class FingerPlane {
+ public:
+  FingerPlane(const HandDescription& hand, Finger finger, double spread);
+  Vector3d at(const Vector2d& in_plane) const;      // in P; in_plane: as of fingertipInPlane()
+  Vector3d coordinates(const Vector3d& p_P) const;  // x and z of the plane, then the distance from it
+  Vector3d base() const { return {base_.x(), base_.y(), height_}; }
+
+ private:
+  Vector2d base_, direction_;
+  double radius_, height_;
+};
 
 // The unit direction in P from the spread axis to the fingertip, in the plane of the palm.
 Vector2d fingerDirection(Finger finger, double spread);

@@ -70,11 +70,12 @@ std::vector<Triplet> tripletsOf(const FaceWork& work, const Face& face, const Fa
 
 Configurations configurationsOf(const FaceWork& work, const std::vector<Triplet>& triplets, Tally& tally) {
   const StageTimer timer(tally, StageId::configurations);
+  ConfigurationOptions options = work.options.configurations;
+  options.depth_model = work.options.depth_model;
   Configurations all;
   for (std::size_t i = 0; i < triplets.size(); ++i) {
     work.stop.check();
-    Configurations found =
-        findConfigurations(work.hand, triplets[i], static_cast<int>(i), work.options.configurations);
+    Configurations found = findConfigurations(work.hand, triplets[i], static_cast<int>(i), options);
     if (found.configurations.empty()) tally.reject("triplet: no hand configuration reaches it");
     std::move(found.configurations.begin(), found.configurations.end(),
               std::back_inserter(all.configurations));
@@ -112,10 +113,27 @@ void markGuessed(const FaceWork& work, Grasp& grasp) {
   }
 }
 
+// The fingers' angles as they are in space, and what follows from them.
+void followJoints(const HandDescription& hand, Grasp& grasp) {
+  HandConfiguration& configuration = grasp.configuration;
+  configuration.joints = grasp.joints;
+  for (std::size_t finger = 0; finger < 3; ++finger) {
+    const double inner = grasp.joints.inner[finger];
+    configuration.extension_m[finger] = extension(hand, inner);
+    configuration.tip_height_m[finger] = tipHeight(hand, inner);
+    configuration.depth_m[finger] = configuration.tip_height_m[finger] + configuration.X_FP.translation().z();
+  }
+}
+
 bool touchesSurface(const FaceWork& work, const Face& face, Grasp& grasp, Tally& tally) {
   const StageTimer timer(tally, StageId::contacts);
-  const Contacts found = findContacts(face, grasp.triplet, grasp.configuration, work.object_grid_C,
-                                      work.object.spacing_m, work.viewpoints_C, work.options.contacts);
+  Contacts found = findContacts(face, grasp.triplet, grasp.configuration, work.object_grid_C,
+                                work.object.spacing_m, work.viewpoints_C, work.options.contacts);
+  if (work.options.contacts.meet_surface && !work.hand.prismatic() && !found.rejection) {
+    found = meetSurface(work.hand, grasp.X_CP, grasp.joints, found, work.object_grid_C, work.object.spacing_m,
+                        work.options.contacts);
+    followJoints(work.hand, grasp);
+  }
   tally.count(StageId::contacts, 1, !found.rejection);
   if (found.rejection) tally.reject(describe(*found.rejection));
   grasp.contacts = found.contacts;

@@ -40,6 +40,8 @@ struct PlannerOptions {
   ClearanceOptions clearance;
   ShapeOptions shapes;
   RobotOptions robot;
+  // The depth that a finger reaches, for the palm's height and q8: by the hand's kinematics, or by the
+  // paper's line.
   DepthModel depth_model = DepthModel::exact;
   // Force closure of a grasp's contacts, as far as the cloud tells their normals. `prefer`: only such grasps,
   // unless an object has none; about a third of the others are held all the same.

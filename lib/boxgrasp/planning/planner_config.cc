@@ -106,14 +106,16 @@ void read(Section section, TripletOptions& options) {
 }
 
 void read(Section section, ConfigurationOptions& options) {
-  auto& [friction, thumb_steps, insertion_m, depth_tolerance_m, palm_clearance_m, min_turn_rad] = options;
-  section("thumb_steps", thumb_steps)("insertion_m", insertion_m);  // the friction is the request's
+  auto& [friction, thumb_steps, insertion_m, depth_tolerance_m, palm_clearance_m, min_turn_rad, depth_model] =
+      options;
+  section("thumb_steps", thumb_steps)("insertion_m", insertion_m);  // friction and depth model: the plan's
   section("depth_tolerance_m", depth_tolerance_m)("palm_clearance_m", palm_clearance_m)("min_turn_rad",
                                                                                         min_turn_rad);
 }
 
 void read(Section section, ContactOptions& options) {
-  auto& [search_m, normal_radius_m, max_normal_tilt_rad] = options;
+  auto& [search_m, normal_radius_m, max_normal_tilt_rad, meet_surface] = options;
+  section("meet_surface", meet_surface);
   section("search_m", search_m)("normal_radius_m", normal_radius_m)("max_normal_tilt_rad",
                                                                     max_normal_tilt_rad);
 }

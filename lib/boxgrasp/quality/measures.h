@@ -25,11 +25,6 @@ struct GraspGeometry {
   Vector3d root_center_C;                 // centre of the root box
 };
 
-enum class DepthModel {
-  exact,   // the finger's own kinematics, free of the hand's stand-off: sum of (delta_i - mean delta)^2
-  linear,  // the paper's g(e) = 0.953 e + 128.8 mm, Eq. 4 to the letter
-};
-
 // q1, grasp triangle size: the area of the triangle of the contacts. m^2; large is good. Area of the grasp
 // polygon, as Chinellato et al. and Mirtich and Canny have it.
 double graspTriangleSize(const std::array<Vector2d, 3>& points_F);

@@ -376,6 +376,30 @@ TEST(FindConfigurations, ThePalmsHeightIsTheBest) {
   EXPECT_GT(checked, 100u);
 }
 
+TEST(FindConfigurations, BelieveThePapersLineWhereTheyAreTold) {
+  const HandDescription& hand = barrettHand();
+  std::mt19937_64 random(21);
+  ConfigurationOptions line = keepingAll();
+  line.depth_model = DepthModel::linear;
+  line.depth_tolerance_m = 1.0;  // any height will do: the planar solutions are the same ones
+  std::size_t seen = 0;
+  for (int trial = 0; trial < 20; ++trial) {
+    const KnownGrasp grasp = test::randomGrasp(hand, random, kCone);
+    for (const HandConfiguration& found : findConfigurations(hand, grasp.triplet, 0, line).configurations) {
+      for (int finger = 0; finger < 3; ++finger) {
+        EXPECT_DOUBLE_EQ(found.tip_height_m[finger], linearDepth(hand, found.extension_m[finger]));
+        EXPECT_LT((touchedPoint(hand, found, finger).head<2>() -
+                   grasp.triplet.points_F[found.point_of_finger[finger]])
+                      .norm(),
+                  0.0005)
+            << "in the plane the hand is the same";
+        ++seen;
+      }
+    }
+  }
+  EXPECT_GT(seen, 100u);
+}
+
 TEST(FindConfigurations, MergesHandsThatHardlyDiffer) {
   std::mt19937_64 random(8);
   const ConfigurationOptions options;

@@ -171,5 +171,97 @@ TEST(ContactOptions, NameTheBadField) {
   }
 }
 
+// A round object that narrows towards its foot, in F: at depth z its radius is radius(z).
+struct Vase {
+  double top_radius, narrowing;  // tangent of the wall's lean
+  double height = 0.07;
+
+  double radius(double z) const { return top_radius - narrowing * z; }
+  // Signed distance of a point from the wall.
+  double distance(const Vector3d& p) const {
+    return (p.head<2>().norm() - radius(p.z())) / std::hypot(1.0, narrowing);
+  }
+  PointCloud cloud() const {
+    PointCloud cloud_F;
+    for (double z = 0; z <= height; z += 0.001) {
+      for (int i = 0; i < 240; ++i) {
+        const double angle = (i + 0.5 * std::fmod(z, 0.002)) * 0.0261799;
+        cloud_F.push({radius(z) * std::cos(angle), radius(z) * std::sin(angle), z});
+      }
+    }
+    return cloud_F;
+  }
+  // What the outline tells: a circle as wide as the top.
+  Triplet triplet() const {
+    Triplet outline = planned(top_radius, 0.0).triplet;
+    outline.nearest_depth_m.fill(0.0);
+    outline.farthest_depth_m.fill(height);
+    return outline;
+  }
+};
+
+// Brute force over the joint angle: closing from wide open, the finger's tip comes to the object just there.
+double angleOfTouch(const HandDescription& hand, const Pose& X_FP, const HandJoints& joints, int finger,
+                    const Vase& vase) {
+  HandJoints closing = joints;
+  for (double inner = hand.inner_min; inner < hand.inner_max; inner += 2e-4) {
+    closing.inner.fill(inner);
+    if (vase.distance(X_FP * forwardKinematics(hand, closing).tips_P[finger]) <= hand.tip_radius)
+      return inner;
+  }
+  return NAN;
+}
+
+TEST(MeetSurface, ClosesEachFingerUntilItsTipIsOnTheObjectAtItsOwnDepth) {
+  const HandDescription& hand = barrettHand();
+  std::mt19937_64 random(3);
+  int met = 0;
+  double worst_outline = 0.0;
+  for (const double narrowing : {0.0, 0.05, 0.10, 0.15}) {
+    const Vase vase{0.035, narrowing};
+    const Pose X_CF = test::randomPose(random);
+    const PointCloud cloud_C = transformed(vase.cloud(), X_CF);
+    const PointGrid grid(cloud_C, kCell_m);
+    const Triplet triplet = vase.triplet();
+    for (const HandConfiguration& hand_on : findConfigurations(hand, triplet, 0).configurations) {
+      const Contacts outline = findContacts(faceAt(X_CF), triplet, hand_on, grid, 0.001, {});
+      if (outline.rejection) continue;
+      HandJoints joints = hand_on.joints;
+      const Contacts found = meetSurface(hand, X_CF * hand_on.X_FP, joints, outline, grid, 0.001);
+      ASSERT_FALSE(found.rejection) << describe(*found.rejection);
+      for (int finger = 0; finger < 3; ++finger) {
+        const Vector3d contact_F = X_CF.inverse() * found.contacts[finger].p_C;
+        const Vector3d tip_F = hand_on.X_FP * forwardKinematics(hand, joints).tips_P[finger];
+        EXPECT_NEAR(vase.distance(contact_F), 0.0, 1e-6) << "the contact is on the object";
+        EXPECT_NEAR((contact_F - tip_F).norm(), hand.tip_radius, 1e-6) << "and the fingertip at the contact";
+        EXPECT_NEAR(joints.inner[finger], angleOfTouch(hand, hand_on.X_FP, joints, finger, vase), 0.002);
+        const Vector3d before_F = hand_on.X_FP * forwardKinematics(hand, hand_on.joints).tips_P[finger];
+        worst_outline = std::max(worst_outline, std::abs(vase.distance(before_F) - hand.tip_radius));
+        ++met;
+      }
+    }
+  }
+  EXPECT_GT(met, 100);
+  EXPECT_GT(worst_outline, 0.002) << "the outline alone leaves fingertips beside the object";
+}
+
+TEST(MeetSurface, LeavesContactsThatNobodySawAsTheyAre) {
+  const HandDescription& hand = barrettHand();
+  const Vase vase{0.035, 0.1};
+  const PointCloud cloud_F = vase.cloud();
+  const HandConfiguration hand_on = findConfigurations(hand, vase.triplet(), 0).configurations.front();
+  Contacts contacts =
+      findContacts(faceAt(Pose::Identity()), vase.triplet(), hand_on, PointGrid(cloud_F, kCell_m), 0.001, {});
+  ASSERT_FALSE(contacts.rejection);
+  for (SurfaceContact& contact : contacts.contacts) contact.seen = false;
+  HandJoints joints = hand_on.joints;
+  const PointGrid grid(cloud_F, kCell_m);
+  const Contacts same = meetSurface(hand, hand_on.X_FP, joints, contacts, grid, 0.001);
+  for (int finger = 0; finger < 3; ++finger) {
+    EXPECT_EQ(same.contacts[finger].p_C, contacts.contacts[finger].p_C);
+    EXPECT_EQ(joints.inner[finger], hand_on.joints.inner[finger]);
+  }
+}
+
 }  // namespace
 }  // namespace boxgrasp

@@ -100,6 +100,26 @@ TEST_P(PlannerOnObjects, EveryGraspTouchesHoldsReachesAndIsClear) {
   }
 }
 
+TEST_P(PlannerOnObjects, FingersThatMeetTheSurfaceEndAtTheirContacts) {
+  PlannerOptions options;
+  options.contacts.meet_surface = true;
+  const PlanResult result =
+      GraspPlanner(barrettHand(), test::linearModel(), options).plan(requestFor(cloudOf(GetParam()), 0));
+  ASSERT_EQ(result.outcome, Outcome::grasps) << result.message;
+  const PointGrid grid(result.objects[0].cloud_C, 0.006);
+  for (const Grasp& grasp : result.grasps) {
+    const HandGeometry hand = forwardKinematics(barrettHand(), grasp.joints);
+    for (int finger = 0; finger < 3; ++finger) {
+      const Vector3d& p_C = grasp.contacts[finger].p_C;
+      EXPECT_NEAR((grasp.X_CP * hand.tips_P[finger] - p_C).norm(), barrettHand().tip_radius, 1e-6)
+          << "the fingertip of F" << finger + 1 << " is not at its contact";
+      EXPECT_TRUE(grid.nearest(p_C, 0.006)) << "no point of the cloud where F" << finger + 1 << " touches";
+      EXPECT_NEAR(extension(barrettHand(), grasp.joints.inner[finger]),
+                  grasp.configuration.extension_m[finger], 1e-12);
+    }
+  }
+}
+
 TEST_P(PlannerOnObjects, EdgesAddGraspsAndTakeNoneAway) {
   const PlanRequest request = requestFor(cloudOf(GetParam()), 0);
   PlannerOptions options;
