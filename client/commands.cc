@@ -86,10 +86,11 @@ void draw(const PlanCommand& command, const PlanResult& result, const PlanTrace&
 }
 
 // Plans here, and draws the plan where that is asked for.
-plan_response_t planHere(const PlanCommand& command, const PlanRequest& request) {
+plan_response_t planHere(const PlanCommand& command, PlanRequest request) {
   const GraspPlanner planner = plannerOf(command);
   PlanTrace trace;
-  const PlanResult result = planner.plan(request, deadlineOf(command), command.draws() ? &trace : nullptr);
+  const PlanResult result =
+      planner.plan(std::move(request), deadlineOf(command), command.draws() ? &trace : nullptr);
   draw(command, result, trace, planner.hand());
   return toMessage(result, "", command.frame);
 }
@@ -105,12 +106,12 @@ plan_response_t planThere(const PlanCommand& command, const PlanRequest& request
 }
 
 plan_response_t answerTo(const PlanCommand& command) {
-  const PlanRequest request = requestOf(command);
-  if (command.local) return planHere(command, request);
+  PlanRequest request = requestOf(command);
+  if (command.local) return planHere(command, std::move(request));
   plan_response_t answer = planThere(command, request);
   // A drawing needs what the planner saw on its way, which does not go over the wire: the same plan, made
   // again.
-  if (command.draws() && planHere(command, request).model_version != answer.model_version)
+  if (command.draws() && planHere(command, std::move(request)).model_version != answer.model_version)
     fmt::print(stderr,
                "boxgrasp: the server ranks with model {}; the drawing shows this program's own ranking\n",
                answer.model_version);

@@ -1,4 +1,5 @@
 // boxgrasp-server: plans grasps for point clouds that arrive over LCM.
+#include <malloc.h>
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
@@ -66,9 +67,14 @@ void run(const CommandLine& line) {
   serve(std::move(planner), options);
 }
 
+// What a large cloud takes goes back to the system once it is planned. glibc would raise this threshold with
+// the first such cloud, keep its memory, and break up what it keeps.
+void giveBackLargeMemory() { mallopt(M_MMAP_THRESHOLD, 1 << 20); }
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  giveBackLargeMemory();
   // The daemon starts this program once more, to receive for it.
   if (argc > 1 && std::string_view(argv[1]) == "receive") return runReceiver(argc - 2, argv + 2);
   logToStderr(isJournalOnStderr());

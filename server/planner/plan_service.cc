@@ -237,14 +237,14 @@ void PlanService::work() {
 PlanService::Answer PlanService::answerTo(Job& job, const GraspPlanner& planner) const {
   const std::string frame = job.request.cloud.frame_name;
   try {
-    const PlanRequest request = fromMessage(job.request);
+    PlanRequest request = fromMessage(job.request);
     if (std::isnan(job.request.deadline_s))
       throw InputError("request: deadline_s is nan, but must be a number");
-    job.request.cloud.data = {};  // the planner has its own copy
+    std::vector<std::uint8_t>().swap(job.request.cloud.data);  // the planner has its own copy
     const bool shown = !options_.http.empty();
     const auto plan = std::make_shared<MadePlan>();
-    plan->result =
-        planner.plan(request, StopToken(job.deadline, job.cancelled), shown ? &plan->trace : nullptr);
+    plan->result = planner.plan(std::move(request), StopToken(job.deadline, job.cancelled),
+                                shown ? &plan->trace : nullptr);
     return {toMessage(plan->result, job.id(), frame), inputsOf(plan->result, planner.model()),
             shown ? plan : nullptr};
   } catch (const InputError& error) {

@@ -22,15 +22,13 @@ struct ValidationOptions {
 // A cloud without its non-finite points, and how many they were.
 struct FiniteCloud {
   PointCloud cloud_C;
-  std::vector<std::uint32_t> source;  // for each point its index in the given cloud
   std::size_t non_finite = 0;
 };
 
 // Throws InputError for a cloud that is empty, has no finite point, whose extent is suspicious, or that lies
 // so far from the origin that floats no longer resolve its shape; the message states the value, the bound and
-// the remedy
-// (`--scale 0.001`). One point, or points on one spot, are refused as such.
-FiniteCloud validated(const PointCloud& cloud_C, const ValidationOptions& options = {});
+// the remedy (`--scale 0.001`). One point, or points on one spot, are refused as such.
+FiniteCloud validated(PointCloud cloud_C, const ValidationOptions& options = {});
 
 struct CleanOptions {
   // Density is evened to one point a voxel of this edge, about a fingertip's accuracy; 0: it is not evened.

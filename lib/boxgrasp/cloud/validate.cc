@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "boxgrasp/base/error.h"
 #include "boxgrasp/base/tolerances.h"
@@ -16,22 +17,26 @@ void ValidationOptions::validate() const {
 
 namespace {
 
-FiniteCloud finitePoints(const PointCloud& cloud_C) {
-  FiniteCloud finite;
-  finite.source.reserve(cloud_C.size());
+FiniteCloud finitePoints(PointCloud cloud_C) {
+  std::size_t kept = 0;
   for (std::size_t i = 0; i < cloud_C.size(); ++i) {
-    if (cloud_C.point(i).allFinite()) finite.source.push_back(static_cast<std::uint32_t>(i));
+    if (!cloud_C.point(i).allFinite()) continue;
+    cloud_C.x[kept] = cloud_C.x[i];
+    cloud_C.y[kept] = cloud_C.y[i];
+    cloud_C.z[kept] = cloud_C.z[i];
+    ++kept;
   }
-  finite.cloud_C = select(cloud_C, finite.source);
-  finite.non_finite = cloud_C.size() - finite.source.size();
-  return finite;
+  const std::size_t non_finite = cloud_C.size() - kept;
+  cloud_C.resize(kept);
+  return {std::move(cloud_C), non_finite};
 }
 
-void requirePoints(const PointCloud& cloud_C, const FiniteCloud& finite) {
-  if (cloud_C.empty()) throw InputError("the cloud is empty; give one with points");
+void requirePoints(const FiniteCloud& finite) {
+  if (finite.cloud_C.empty() && finite.non_finite == 0)
+    throw InputError("the cloud is empty; give one with points");
   if (finite.cloud_C.empty()) {
     throw InputError(
-        fmt::format("none of the cloud's {} points is finite; the sensor saw nothing", cloud_C.size()));
+        fmt::format("none of the cloud's {} points is finite; the sensor saw nothing", finite.non_finite));
   }
   if (finite.cloud_C.size() == 1)
     throw InputError("the cloud has one finite point only; an object needs more");
@@ -72,10 +77,10 @@ void requireResolution(const Eigen::AlignedBox3d& box) {
 
 }  // namespace
 
-FiniteCloud validated(const PointCloud& cloud_C, const ValidationOptions& options) {
+FiniteCloud validated(PointCloud cloud_C, const ValidationOptions& options) {
   options.validate();
-  FiniteCloud finite = finitePoints(cloud_C);
-  requirePoints(cloud_C, finite);
+  FiniteCloud finite = finitePoints(std::move(cloud_C));
+  requirePoints(finite);
   const Eigen::AlignedBox3d box = bounds(finite.cloud_C);
   requireExtent(finite.cloud_C, box, options);
   requireResolution(box);

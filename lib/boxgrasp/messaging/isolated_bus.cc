@@ -200,7 +200,7 @@ bool IsolatedBus::readSome() {
   if (partial_.size() < whole) partial_.resize(whole);
   if (received_ < whole) return true;
   take(head, Bytes(partial_).subspan(sizeof(Head)));
-  if (partial_.capacity() > kKeptBytes) partial_ = {};
+  if (partial_.capacity() > kKeptBytes) std::vector<std::uint8_t>().swap(partial_);
   partial_.assign(sizeof(Head), 0);
   received_ = 0;
   return true;

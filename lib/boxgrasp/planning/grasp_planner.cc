@@ -156,7 +156,7 @@ GraspPlanner::GraspPlanner(HandDescription hand, Model model, PlannerOptions opt
   checkFeatures(model_.features);
 }
 
-PlanResult GraspPlanner::plan(const PlanRequest& request, const StopToken& stop, PlanTrace* trace) const {
+PlanResult GraspPlanner::plan(PlanRequest request, const StopToken& stop, PlanTrace* trace) const {
   const auto start = std::chrono::steady_clock::now();
   PlanResult result;
   result.model_version = model_.version;
@@ -166,9 +166,11 @@ PlanResult GraspPlanner::plan(const PlanRequest& request, const StopToken& stop,
     stop.check();
     requireOption(request.top_k >= 0, "top_k", request.top_k, "at least 0");
     describeAnswer(options_.robot, request, result);
-    findHypotheses(hand_, options_, request, stop, trace, result, tally);
-    rank(model_, options_, request.friction, stop, result, tally);
-    keepDistinct(options_, request.top_k, stop, result.grasps, tally);
+    const double friction = request.friction;
+    const int top_k = request.top_k;
+    findHypotheses(hand_, options_, std::move(request), stop, trace, result, tally);
+    rank(model_, options_, friction, stop, result, tally);
+    keepDistinct(options_, top_k, stop, result.grasps, tally);
     conclude(result, tally);
   } catch (const Stopped& stopped) {
     concludeStopped(result, stopped, tally);

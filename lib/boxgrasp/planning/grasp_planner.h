@@ -12,7 +12,7 @@ class GraspPlanner {
   GraspPlanner(HandDescription hand, Model model, PlannerOptions options = {});
 
   // Never throws for bad input, deadline or cancellation: these are outcomes.
-  PlanResult plan(const PlanRequest& request, const StopToken& stop = {}, PlanTrace* trace = nullptr) const;
+  PlanResult plan(PlanRequest request, const StopToken& stop = {}, PlanTrace* trace = nullptr) const;
 
   const HandDescription& hand() const { return hand_; }
   const Model& model() const { return model_; }

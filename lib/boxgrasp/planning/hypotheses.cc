@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "boxgrasp/base/error.h"
 #include "boxgrasp/planning/object_grasps.h"
@@ -67,23 +68,23 @@ PointCloud background(const PointCloud& cloud_C, const Scene& scene) {
 // One plan, from request to result. Each method is a stage of the paper.
 class HypothesisSearch {
  public:
-  HypothesisSearch(const HandDescription& hand, const PlannerOptions& options, const PlanRequest& request,
+  HypothesisSearch(const HandDescription& hand, const PlannerOptions& options, PlanRequest request,
                    const StopToken& stop, PlanTrace* trace, PlanResult& result, Tally& tally)
       : hand_(hand),
-        request_(request),
+        request_(std::move(request)),
         stop_(stop),
         trace_(trace),
         result_(result),
         tally_(tally),
-        options_(withFriction(options, request.friction)),
-        robot_(options.robot, request.robot) {}
+        options_(withFriction(options, request_.friction)),
+        robot_(options.robot, request_.robot) {}
 
   void run() {
     checkViewpoints(request_.viewpoints_C);
-    const FiniteCloud finite = validated(request_.cloud_C, options_.validation);
+    FiniteCloud finite = validated(std::exchange(request_.cloud_C, {}), options_.validation);
     noteNonFinite(finite);
     takeSceneApart(finite.cloud_C);
-    cleanObjects(finite.cloud_C);
+    cleanObjects(std::move(finite.cloud_C));
     completeObjects();
     decomposeObjects();
     graspObjects();
@@ -95,7 +96,7 @@ class HypothesisSearch {
   void noteNonFinite(const FiniteCloud& finite) {
     if (finite.non_finite == 0) return;
     note(fmt::format("{} of {} points are not finite and were dropped", finite.non_finite,
-                     request_.cloud_C.size()));
+                     finite.cloud_C.size() + finite.non_finite));
     tally_.reject("point not finite", finite.non_finite);
   }
 
@@ -117,10 +118,17 @@ class HypothesisSearch {
     surroundings_ = {unitGravity(request_, robot_, scene_.table), request_.viewpoints_C};
   }
 
-  void cleanObjects(const PointCloud& cloud_C) {
+  // A cloud of one object need not be copied.
+  CleanCloud cleanObject(const PointCloud& cloud_C, const std::vector<std::uint32_t>& points) const {
+    if (points.size() == cloud_C.size()) return clean(cloud_C, options_.clean, stop_);
+    return clean(select(cloud_C, points), options_.clean, stop_);
+  }
+
+  // Nothing needs the cloud after this.
+  void cleanObjects(PointCloud cloud_C) {
     const StageTimer timer(tally_, StageId::clean);
     for (std::size_t i = 0; i < scene_.objects.size(); ++i) {
-      CleanCloud clean_cloud = clean(select(cloud_C, scene_.objects[i]), options_.clean, stop_);
+      CleanCloud clean_cloud = cleanObject(cloud_C, scene_.objects[i]);
       tally_.count(StageId::clean, scene_.objects[i].size(), clean_cloud.cloud_C.size());
       tally_.reject("point is a duplicate", clean_cloud.duplicates);
       tally_.reject("point is an outlier", clean_cloud.outliers);
@@ -232,7 +240,7 @@ class HypothesisSearch {
   }
 
   const HandDescription& hand_;
-  const PlanRequest& request_;
+  PlanRequest request_;
   const StopToken& stop_;
   PlanTrace* trace_;
   PlanResult& result_;
@@ -246,9 +254,9 @@ class HypothesisSearch {
 
 }  // namespace
 
-void findHypotheses(const HandDescription& hand, const PlannerOptions& options, const PlanRequest& request,
+void findHypotheses(const HandDescription& hand, const PlannerOptions& options, PlanRequest request,
                     const StopToken& stop, PlanTrace* trace, PlanResult& result, Tally& tally) {
-  HypothesisSearch(hand, options, request, stop, trace, result, tally).run();
+  HypothesisSearch(hand, options, std::move(request), stop, trace, result, tally).run();
 }
 
 }  // namespace boxgrasp

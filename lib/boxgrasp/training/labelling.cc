@@ -26,9 +26,9 @@ Planned plan(const HandDescription& hand, const TriangleMesh& mesh_O, const Mode
   options.validate();
   PlannerOptions planner = options.planner;
   planner.scene.whole = true;
-  const PlanRequest request = sightOf(mesh_O, key, {options.points, cameras, options.seed}, stop);
+  PlanRequest request = sightOf(mesh_O, key, {options.points, cameras, options.seed}, stop);
   Planned planned{.result = {}, .tally = {}, .friction = request.friction};
-  findHypotheses(hand, planner, request, stop, nullptr, planned.result, planned.tally);
+  findHypotheses(hand, planner, std::move(request), stop, nullptr, planned.result, planned.tally);
   stop.check();
   return planned;
 }

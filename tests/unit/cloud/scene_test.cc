@@ -314,8 +314,10 @@ View take(const std::string& name) {
 // Ground truth: 1 is the table; 20, 30, ... are objects, whose parts have numbers such as 40 and 41.
 std::vector<int> objectLabels(const View& view) {
   std::vector<int> labels;
-  for (const std::uint32_t i : view.finite.source)
-    labels.push_back(static_cast<int>(view.loaded.labels[i] / 10));
+  for (std::size_t i = 0; i < view.loaded.labels.size(); ++i) {
+    if (view.loaded.cloud_C.point(i).allFinite())
+      labels.push_back(static_cast<int>(view.loaded.labels[i] / 10));
+  }
   return labels;
 }
 
