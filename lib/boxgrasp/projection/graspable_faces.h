@@ -32,8 +32,9 @@ struct FaceOptions {
   // of its parts. false: leaf boxes alone, as in the paper.
   bool inner_boxes = true;
   // Approaches over the twelve edges of each box count too: the hand comes in between two faces, and its
-  // fingers end on surfaces that belong to several. More grasps, for twice the time and more. false: faces
-  // alone, as in the paper.
+  // fingers end on surfaces that belong to several. Where few faces are seen more plans hold
+  // (81 instead of 78 % from one view), for twice the time; on whole clouds as many. false: faces alone, as in
+  // the paper.
   bool edges = false;
   // The smaller edge of a face may not be longer: twice the Barrett hand's practical reach.
   double max_aperture_m = 0.20;
