@@ -19,6 +19,7 @@
 #include "clerk.h"
 #include "http_server.h"
 #include "instance_lock.h"
+#include "receiver_program.h"
 #include "state_folder.h"
 
 namespace boxgrasp {
@@ -85,7 +86,8 @@ class Daemon {
         lock_(options.lcm_url),
         state_(options.state_dir),
         bus_(
-            {{options.lcm_url, static_cast<std::int64_t>(options.receive_buffer_bytes)}},
+            {{options.lcm_url, static_cast<std::int64_t>(options.receive_buffer_bytes)},
+             receiverProgram(ownFolder())},
             [this](const std::string& channel, const std::string& problem) { refused(channel, problem); },
             [](const std::string& what) { spdlog::warn("{}", what); }),
         models_(

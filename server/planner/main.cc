@@ -6,7 +6,7 @@
 
 #include "boxgrasp/base/error.h"
 #include "boxgrasp/base/exit_code.h"
-#include "boxgrasp/messaging/isolated_bus.h"
+#include "boxgrasp/messaging/lcm_bus.h"
 #include "boxgrasp/planning/default_model.h"
 #include "boxgrasp/planning/planner_config.h"
 #include "daemon.h"
@@ -75,8 +75,6 @@ void giveBackLargeMemory() { mallopt(M_MMAP_THRESHOLD, 1 << 20); }
 
 int main(int argc, char** argv) {
   giveBackLargeMemory();
-  // The daemon starts this program once more, to receive for it.
-  if (argc > 1 && std::string_view(argv[1]) == "receive") return runReceiver(argc - 2, argv + 2);
   logToStderr(isJournalOnStderr());
   CLI::App app{"Plans grasps for a Barrett hand from point clouds that arrive over LCM."};
   app.set_version_flag("--version", BOXGRASP_VERSION);

@@ -5,12 +5,14 @@
 //   load      the highest steady rate at which nothing is refused, and twice that rate
 //   points    time and peak memory over the size of the cloud, with a plot
 //   boxes     time over the number of boxes, with a plot
+//   receiver  from the death of the receiving process to the first message that its successor receives
 // Prints a table; --json FILE writes the figures, --plots FOLDER the plots, --only NAME measures one part,
 // --quick takes small clouds and short times. Exit code 1: a target was missed. Moves into a network of its
 // own where it may (as root).
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -293,10 +295,39 @@ void measureBoxes(const CommandLine& line, Report& report) {
   writePlot(line, "boxes.svg", logPlot("Time over the boxes of a horse of 20,000 points", "boxes", times));
 }
 
+// Sends an answered request, which needs no plan any more, until it is answered again: nobody hears the first
+// ones.
+double deafTime(Served& bench, const plan_request_t& answered) {
+  bench.wire.until([] { return false; }, 0.2);  // what came of the last time
+  bench.wire.answers.clear();
+  const pid_t victim = bench.receiver();
+  if (victim <= 0) throw std::runtime_error("there is no receiver to kill");
+  kill(victim, SIGKILL);
+  const auto start = Clock::now();
+  const auto heard = [&] {
+    bench.wire.send(channel::kPlanRequest, answered);
+    return !bench.wire.answers.empty();
+  };
+  if (!bench.wire.until(heard, 20.0, 1)) throw std::runtime_error("no receiver takes the killed one's place");
+  return secondsSince(start);
+}
+
+void measureReceiver(const CommandLine& line, Report& report) {
+  Served bench(line.server, kOneThread);
+  const plan_request_t request = bench.request(cup(1000));
+  bench.plan(request);
+  std::vector<double> times_ms;
+  for (int i = 0; i < (line.quick ? 3 : 30); ++i) times_ms.push_back(1e3 * deafTime(bench, request));
+  report.add("receiver", "killed to the first message received, median", median(times_ms), "ms");
+  report.add("receiver", "killed to the first message received, longest", quantile(times_ms, 1.0), "ms",
+             line.quick ? NAN : 200.0);
+}
+
 int measureAll(const CommandLine& line) {
   const std::vector<std::pair<std::string, void (*)(const CommandLine&, Report&)>> parts{
       {"overhead", measureOverhead}, {"pair", measurePair},     {"cores", measureCores},
-      {"load", measureLoad},         {"points", measurePoints}, {"boxes", measureBoxes}};
+      {"load", measureLoad},         {"points", measurePoints}, {"boxes", measureBoxes},
+      {"receiver", measureReceiver}};
   Report report;
   for (const auto& [name, measure] : parts) {
     if (line.only.empty() || line.only == name) measure(line, report);
@@ -314,7 +345,7 @@ int main(int argc, char** argv) {
   app.add_option("--json", line.json, "file for the figures");
   app.add_option("--plots", line.plots, "folder for the plots (SVG)");
   app.add_option("--server", line.server, "the program to measure");
-  app.add_option("--only", line.only, "one part: overhead, pair, cores, load, points or boxes");
+  app.add_option("--only", line.only, "one part: overhead, pair, cores, load, points, boxes or receiver");
   app.add_flag("--quick", line.quick, "small clouds and short times: shows that it works, not how fast");
   CLI11_PARSE(app, argc, argv);
   boxgrasp::test::enterOwnNetwork();

@@ -12,8 +12,10 @@
 #include <regex>
 #include <thread>
 
+#include "boxgrasp/base/exit_code.h"
 #include "boxgrasp/messaging/isolated_bus.h"
 #include "processes.h"
+#include "receiver_program.h"
 #include "wire.h"
 
 namespace boxgrasp::test {
@@ -60,7 +62,7 @@ int receivers() {
   for (const auto& entry : fs::directory_iterator("/proc")) {
     std::ifstream stream(entry.path() / "cmdline");
     const std::string line{std::istreambuf_iterator<char>(stream), {}};
-    count += line.find(std::string("receive\0", 8) + url()) != std::string::npos;
+    count += line.find(std::string("boxgrasp-receiver\0", 18) + url()) != std::string::npos;
   }
   return count;
 }
@@ -193,7 +195,7 @@ TEST_F(Receiver, IsReplacedWhenJunkChannelsMakeItGrow) {
   std::vector<std::string> events;
   IsolatedBusOptions options;
   options.lcm.url = url();
-  options.receiver = {BOXGRASP_SERVER, "receive"};
+  options.receiver = receiverProgram(fs::path(BOXGRASP_SERVER).parent_path());
   options.max_receiver_bytes = kGrownBytes;
   IsolatedBus bus(
       options, [](auto&, auto&) {}, [&](const std::string& what) { events.push_back(what); });
@@ -214,6 +216,24 @@ TEST_F(Receiver, IsReplacedWhenJunkChannelsMakeItGrow) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   EXPECT_GT(heard, 0) << "its successor should receive";
+}
+
+TEST_F(Receiver, IsFoundBesideTheServerOrWhereItIsInstalled) {
+  const fs::path bin = folder / "bin", installed = folder / "libexec/boxgrasp/boxgrasp-receiver";
+  fs::create_directories(bin);
+  fs::create_directories(installed.parent_path());
+  fs::copy_file("/bin/true", installed);
+  EXPECT_EQ(receiverProgram(bin), installed);
+  fs::copy_file("/bin/true", bin / "boxgrasp-receiver");
+  EXPECT_EQ(receiverProgram(bin), bin / "boxgrasp-receiver") << "the one of the same build goes first";
+}
+
+TEST_F(Receiver, IsMissedAtTheStart) {
+  fs::create_directories(folder / "bin");
+  fs::copy_file(BOXGRASP_SERVER, folder / "bin/boxgrasp-server");
+  const Finished finished = run({folder / "bin/boxgrasp-server", "--lcm-url", url()});
+  EXPECT_EQ(finished.code, kBadInput);
+  EXPECT_THAT(finished.err, HasSubstr(folder / "libexec/boxgrasp/boxgrasp-receiver"));
 }
 
 TEST_F(Receiver, GoesWithTheDaemon) {

@@ -55,9 +55,10 @@ class Wire {
   void send(const std::string& to, const Message& message) {
     bus_.publish(to, message);
   }
-  bool until(const std::function<bool()>& condition, double timeout_s = 20.0) {
+  // Looks at the condition after each message, and every wait_ms.
+  bool until(const std::function<bool()>& condition, double timeout_s = 20.0, int wait_ms = 20) {
     const auto end = Clock::now() + std::chrono::duration<double>(timeout_s);
-    while (!condition() && Clock::now() < end) bus_.wait(20);
+    while (!condition() && Clock::now() < end) bus_.wait(wait_ms);
     return condition();
   }
   const plan_response_t* answer(const std::string& id) const {

@@ -67,7 +67,8 @@ pid_t spawn(const std::vector<std::string>& arguments, int socket) {
   posix_spawn_file_actions_destroy(&actions);
   posix_spawnattr_destroy(&attributes);
   if (error != 0)
-    throw TransportError(fmt::format("cannot start the receiving process: {}", std::strerror(error)));
+    throw TransportError(
+        fmt::format("cannot start the receiving process {}: {}", arguments[0], std::strerror(error)));
   return process;
 }
 
@@ -128,10 +129,9 @@ void IsolatedBus::start() {
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) < 0)
     throw TransportError(
         fmt::format("cannot make a socket for the receiving process: {}", std::strerror(errno)));
-  std::vector<std::string> arguments = options_.receiver;
-  arguments.push_back(options_.lcm.url);
-  arguments.push_back(std::to_string(options_.lcm.receive_buffer_bytes));
-  arguments.push_back(std::to_string(options_.max_receiver_bytes));
+  std::vector<std::string> arguments{options_.receiver, options_.lcm.url,
+                                     std::to_string(options_.lcm.receive_buffer_bytes),
+                                     std::to_string(options_.max_receiver_bytes)};
   for (const Subscription& to : subscriptions_)
     arguments.push_back(fmt::format("{}={}", to.channel, to.max_bytes));
   receiver_ = spawn(arguments, ends[1]);

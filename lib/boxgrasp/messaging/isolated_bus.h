@@ -6,6 +6,7 @@
 #include <sys/types.h>
 
 #include <chrono>
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -16,8 +17,8 @@ namespace boxgrasp {
 
 struct IsolatedBusOptions {
   LcmBusOptions lcm;
-  // The program of the receiving process and its first arguments; it has to call runReceiver() with the rest.
-  std::vector<std::string> receiver = {"/proc/self/exe", "receive"};
+  // The program of the receiving process; it has to call runReceiver(). One that loads little is back sooner.
+  std::filesystem::path receiver;
   // A receiver that has grown beyond this is ended, and a new one starts: hostile senders can make LCM keep
   // memory for good. A message takes twice its size.
   std::int64_t max_receiver_bytes = 768 << 20;
@@ -96,8 +97,8 @@ class IsolatedBus {
   std::int64_t restarts_ = 0;
 };
 
-// The receiving process: the main program calls this with the arguments that follow
-// IsolatedBusOptions::receiver. Returns the exit code once the other end is gone.
+// The receiving process: its main program calls this with its arguments, without its name. Returns the exit
+// code once the other end is gone.
 int runReceiver(int argc, char** argv);
 
 }  // namespace boxgrasp
