@@ -256,6 +256,14 @@ const std::vector<Ablation>& ablations() {
        false},
       {"no_force_closure", "[planner]\nforce_closure = \"ignore\"\n",
        "grasps without force closure are ranked too", false},
+      {"snap", "[shapes]\nsnap = true\n", "fingers on round faces put through the axis", false},
+      {"concave", "[planner]\nconcavity_weight = 1.0\n", "concave places preferred", false},
+      {"meet_surface", "[contacts]\nmeet_surface = true\n",
+       "fingers closed until they meet the surface in space", false},
+      {"edges", "[faces]\nedges = \"always\"\n", "approaches over the edges of boxes too", false},
+      {"no_edges", "[faces]\nedges = \"never\"\n", "no approach over the edges of boxes", true},
+      {"no_guessed_faces", "[planner]\nguessed_faces = false\n", "no approach to the side that was guessed",
+       true},
       {"no_completion", "[completion]\nenabled = false\n", "the hidden side is not guessed", true}};
   return all;
 }

@@ -18,25 +18,27 @@ struct Attempt {
   std::string note;
 };
 
-// The next is tried where one finds nothing.
+// Each allows what the one before did, and more; the next is tried where one finds nothing.
 std::vector<Attempt> attemptsOn(const ObjectWork& work, const PlannedObject& object) {
-  PlannerOptions without = work.options;
-  without.force_closure = ForceClosureUse::ignore;
-  Surroundings seen_all_around = work.surroundings;
-  seen_all_around.viewpoints_C.clear();
-  const bool guessed = work.options.guessed_faces && object.guessed > 0;
-  const bool doubtful = work.options.force_closure == ForceClosureUse::prefer;
-  std::vector<Attempt> attempts{{work.options, work.surroundings, ""}};
-  if (guessed)
-    attempts.push_back({work.options, seen_all_around,
-                        "no grasp on the side that was seen; these come to the one that was guessed"});
-  if (doubtful)
-    attempts.push_back(
-        {without, work.surroundings, "no grasp's contacts are in force closure; these are without"});
-  if (guessed && doubtful)
-    attempts.push_back({without, seen_all_around,
-                        "no grasp on the side that was seen, none whose contacts are in force closure; these "
-                        "come to the side that was guessed, and are without"});
+  Attempt next{work.options, work.surroundings, ""};
+  EdgeUse& edges = next.options.faces.edges;
+  if (edges == EdgeUse::partial && !work.surroundings.viewpoints_C.empty()) edges = EdgeUse::always;
+  std::vector<Attempt> attempts{next};
+  if (edges == EdgeUse::last || edges == EdgeUse::partial) {
+    edges = EdgeUse::always;
+    next.note = "no grasp comes over a face; these come over edges";
+    attempts.push_back(next);
+  }
+  if (work.options.guessed_faces && object.guessed > 0) {
+    next.surroundings.viewpoints_C.clear();
+    next.note = "no grasp on the side that was seen; these come to the one that was guessed";
+    attempts.push_back(next);
+  }
+  if (work.options.force_closure == ForceClosureUse::prefer) {
+    next.options.force_closure = ForceClosureUse::ignore;
+    next.note = "no grasp's contacts are in force closure; these are without";
+    attempts.push_back(next);
+  }
   return attempts;
 }
 

@@ -28,8 +28,9 @@ struct ObjectGrasps {
   std::string note;  // for users, where the grasps are not what was asked for at first
 };
 
-// `index`: of the object in its scene. Where no grasp is found, what the options allow is tried in turn: the
-// faces that no sensor saw, as far as they were guessed, and contacts that are not in force closure. Tally
+// `index`: of the object in its scene. Where no grasp is found, more is allowed in turn, as the options say:
+// approaches over edges; faces that no sensor saw, where they were guessed; contacts that are not in force
+// closure. Tally
 // and traces are those of the search that found grasps, else of the first. Traces hold images only if
 // `traced`.
 ObjectGrasps graspsOnObject(const ObjectWork& work, const PlannedObject& object, int index, bool traced);

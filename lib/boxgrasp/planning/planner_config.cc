@@ -70,7 +70,7 @@ void read(Section section, DecompositionOptions& options) {
 void read(Section section, FaceOptions& options) {
   auto& [inner_boxes, edges, max_aperture_m, min_width_m, min_depth_m, hand_width_m, hand_depth_m,
          max_blocked_fraction, max_shared_fraction, max_support_cosine] = options;
-  section("inner_boxes", inner_boxes)("edges", edges);
+  section("inner_boxes", inner_boxes)("edges", edges, {"never", "last", "partial", "always"});
   section("max_aperture_m", max_aperture_m)("min_width_m", min_width_m)("min_depth_m", min_depth_m);
   section("hand_width_m", hand_width_m)("hand_depth_m", hand_depth_m);
   section("max_blocked_fraction", max_blocked_fraction)("max_shared_fraction", max_shared_fraction);

@@ -161,7 +161,7 @@ std::vector<FaceDecision> graspableFaces(const BoxTree& tree, const PointCloud& 
   std::vector<FaceDecision> decisions;
   for (int node = 0; node < static_cast<int>(tree.nodes.size()); ++node) {
     if (!options.inner_boxes && !tree.nodes[node].leaf()) continue;
-    for (const Face& face : facesOf(tree, node, cloud_C, options.edges)) {
+    for (const Face& face : facesOf(tree, node, cloud_C, options.edges == EdgeUse::always)) {
       stop.check();
       decisions.push_back({face, rejectionOf(face, tree, scene, surroundings, options)});
     }

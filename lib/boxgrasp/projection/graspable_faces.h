@@ -27,17 +27,17 @@ enum class FaceRejection {
 };
 std::string_view describe(FaceRejection rejection);  // e.g. "face blocked by other points"
 
-// never: faces alone, as in the paper. last: where they have no grasp.
-enum class EdgeUse { never, last, always };
+// never: faces alone, as in the paper. last: where they have no grasp. partial: there, and for objects that
+// were seen from some side only. What is not `always` is for the planner to decide.
+enum class EdgeUse { never, last, partial, always };
 
 struct FaceOptions {
   // The faces of inner boxes of the tree count too: coarser views of the object, for grasps that span several
   // of its parts. false: leaf boxes alone, as in the paper.
   bool inner_boxes = true;
   // Approaches over the twelve edges of each box: the hand comes in between two faces, and its fingers end on
-  // surfaces that belong to several. `always`: more and better grasps of things seen from one side, for twice
-  // the time.
-  EdgeUse edges = EdgeUse::last;
+  // surfaces that belong to several. It takes twice the time, and helps where few faces are seen.
+  EdgeUse edges = EdgeUse::partial;
   // The smaller edge of a face may not be longer: twice the Barrett hand's practical reach.
   double max_aperture_m = 0.20;
   // The smaller edge may not be shorter: nothing to press against.

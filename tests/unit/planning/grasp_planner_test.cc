@@ -124,8 +124,9 @@ TEST_P(PlannerOnObjects, EdgesAddGraspsAndTakeNoneAway) {
   const PlanRequest request = requestFor(cloudOf(GetParam()), 0);
   PlannerOptions options;
   options.merge_distance_m = 0.0;  // all of them
+  options.faces.edges = EdgeUse::never;
   const PlanResult faces = GraspPlanner(barrettHand(), test::linearModel(), options).plan(request);
-  options.faces.edges = true;
+  options.faces.edges = EdgeUse::always;
   const PlanResult both = GraspPlanner(barrettHand(), test::linearModel(), options).plan(request);
   std::size_t on_faces = 0;
   for (const Grasp& grasp : both.grasps) {
@@ -226,6 +227,7 @@ TEST(GraspPlanner, TheReportAccountsForEveryCandidate) {
 TEST(GraspPlanner, GraspsWithoutForceClosureAreTheLastResort) {
   const auto planned = [](const PlanRequest& request, ForceClosureUse use) {
     PlannerOptions options;
+    options.faces.edges = EdgeUse::never;
     options.force_closure = use;
     return GraspPlanner(barrettHand(), test::linearModel(), options).plan(request);
   };

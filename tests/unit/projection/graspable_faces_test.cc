@@ -154,7 +154,7 @@ TEST(GraspableFaces, AnEdgeIsSharedWhereOneOfItsFacesIs) {
   }
   FaceOptions options;
   options.inner_boxes = false;
-  options.edges = true;
+  options.edges = EdgeUse::always;
   const auto decisions = graspableFaces(tree, cloud, PointGrid(cloud, 0.01), {}, options);
   ASSERT_EQ(decisions.size(), 36u);
   for (const auto& [face, rejection] : decisions) {

@@ -1,6 +1,8 @@
-// What the planner does where the side that was seen has no grasp.
+// What the planner does where the faces that were seen have no grasp.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <algorithm>
 
 #include "boxgrasp/objects/depth_camera.h"
 #include "boxgrasp/objects/parametric.h"
@@ -24,9 +26,10 @@ PlanRequest seenByOneCamera(const char* object, int camera) {
   return request;
 }
 
-PlanResult planned(const PlanRequest& request, bool guessed_faces) {
+PlanResult planned(const PlanRequest& request, bool guessed_faces, EdgeUse edges) {
   PlannerOptions options;
   options.force_closure = ForceClosureUse::require;
+  options.faces.edges = edges;
   options.guessed_faces = guessed_faces;
   return GraspPlanner(barrettHand(), test::linearModel(), options).plan(request);
 }
@@ -48,7 +51,8 @@ TEST(GuessedFaces, AreComeToWhereTheSeenOnesHaveNoGrasp) {
     for (int camera = 0; camera < 4; ++camera) {
       SCOPED_TRACE(::testing::Message() << object << " seen by camera " << camera);
       const PlanRequest request = seenByOneCamera(object, camera);
-      const PlanResult without = planned(request, false), with = planned(request, true);
+      const PlanResult without = planned(request, false, EdgeUse::never);
+      const PlanResult with = planned(request, true, EdgeUse::never);
       if (!without.grasps.empty()) {
         EXPECT_EQ(with.grasps.size(), without.grasps.size()) << "nothing was missing";
         EXPECT_THAT(facesSeen(with, request), Each(true));
@@ -64,6 +68,46 @@ TEST(GuessedFaces, AreComeToWhereTheSeenOnesHaveNoGrasp) {
   }
   EXPECT_GT(kept, 0);
   EXPECT_GT(rescued, 0) << "every object had a grasp on the side that was seen: nothing was tried";
+}
+
+TEST(Edges, AreComeOverWhereNoFaceHasAGrasp) {
+  int rescued = 0, kept = 0;
+  for (const char* object : {"mug", "horse", "squirrel"}) {
+    for (int camera = 0; camera < 4; ++camera) {
+      SCOPED_TRACE(::testing::Message() << object << " seen by camera " << camera);
+      const PlanRequest request = seenByOneCamera(object, camera);
+      const PlanResult without = planned(request, false, EdgeUse::never);
+      const PlanResult with = planned(request, false, EdgeUse::last);
+      const auto on_edges = std::ranges::count_if(with.grasps, [](const Grasp& g) { return isEdge(g.face); });
+      if (!without.grasps.empty()) {
+        EXPECT_EQ(with.grasps.size(), without.grasps.size()) << "nothing was missing";
+        EXPECT_EQ(on_edges, 0);
+        ++kept;
+      } else if (!with.grasps.empty()) {
+        EXPECT_THAT(with.report.notes, Contains(HasSubstr("these come over edges")));
+        EXPECT_EQ(on_edges, static_cast<std::ptrdiff_t>(with.grasps.size()));
+        ++rescued;
+      } else {
+        EXPECT_EQ(with.message, without.message) << "the reason is that of the faces";
+      }
+    }
+  }
+  EXPECT_GT(kept, 0);
+  EXPECT_GT(rescued, 0) << "every object had a grasp on its faces: nothing was tried";
+}
+
+TEST(Edges, CountFromTheStartForPartialClouds) {
+  PlanRequest request = seenByOneCamera("mug", 0);
+  const auto faces = [&](EdgeUse edges) { return planned(request, false, edges).report.stages; };
+  const auto stage = [](const std::vector<Stage>& stages) {
+    return *std::ranges::find(stages, "faces", &Stage::name);
+  };
+  EXPECT_EQ(stage(faces(EdgeUse::partial)).in, stage(faces(EdgeUse::always)).in);
+  EXPECT_EQ(stage(faces(EdgeUse::partial)).in, 3 * stage(faces(EdgeUse::never)).in)
+      << "six faces, twelve edges";
+  request.viewpoints_C.clear();
+  EXPECT_EQ(stage(faces(EdgeUse::partial)).in, stage(faces(EdgeUse::never)).in)
+      << "nobody says what is hidden";
 }
 
 }  // namespace
