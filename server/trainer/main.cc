@@ -102,6 +102,8 @@ void addTrain(CLI::App& app, TrainCommand& command) {
       ->capture_default_str();
   app.add_option("--out", command.out, "the model file to write")->required();
   app.add_option("--report", command.report, "what was learnt as a page, HTML");
+  app.add_flag("--recollections", command.study.recollections,
+               "remember the objects too, for planners with recall.enabled; needs --store");
   app.add_flag("--sweep", command.sweep, "networks of all sizes in the report (Fig. 7)");
   app.add_flag("--json", command.json, "print the metrics as JSON");
 }

@@ -123,7 +123,10 @@ class Rater {
         views_(viewsOf(command)),
         planning_(planningWith(command.hand, command.config)) {
     planning_.options.threads = command.threads;
-    if (command.store) left_out_ = std::make_unique<LeftOut>(studyOf(command), stop);
+    if (!command.store) return;
+    StudyCommand study = studyOf(command);
+    study.recollections = planning_.options.recall.enabled;
+    left_out_ = std::make_unique<LeftOut>(study, stop);
   }
 
   Rates ratesOf(const ObjectSource& source);

@@ -85,8 +85,11 @@ const ObjectSource& sourceOf(const std::vector<ObjectSource>& sources, const Mod
 std::vector<LabelledModel> labelledModels(const ExperienceStore& store,
                                           const std::vector<ModelRecord>& records) {
   std::vector<LabelledModel> models;
-  for (const ModelRecord& record : records)
-    models.push_back({record.key, {}, store.labelled(record.key, GraspSource::planner)});
+  for (const ModelRecord& record : records) {
+    LabelledModel& model = models.emplace_back();
+    model.key = record.key;
+    model.labelled = store.labelled(record.key, GraspSource::planner);
+  }
   return models;
 }
 
@@ -104,7 +107,7 @@ void measure(const StudyCommand& command, const HandDescription& hand, const Lab
     const TriangleMesh mesh_O = loadObject(sourceOf(sources, model.key), stop).mesh_O;
     std::vector<HypothesisRecord> known;
     for (const LabelledHypothesis& one : model.labelled) known.push_back(one.hypothesis);
-    model.measures =
+    model.measured =
         hypothesisMeasures(hand, mesh_O, model.key, command.views, known, features, options, stop);
     const std::lock_guard lock(reporting);
     bar.update(++done, models.size());
@@ -128,8 +131,14 @@ std::vector<GraspList> simulatedLists(const StudyCommand& command, const HandDes
 // --- analytic labels
 
 GraspList listOf(LabelledObject object) {
-  GraspList list{
-      {object.name, object.scale}, std::move(object.measures), {}, std::move(object.success), {}, {}};
+  GraspList list{.key = {object.name, object.scale},
+                 .measures = std::move(object.measures),
+                 .rows = {},
+                 .success = std::move(object.success),
+                 .held = {},
+                 .hold = {},
+                 .constellation = {},
+                 .places = {}};
   for (Eigen::Index i = 0; i < list.success.size(); ++i) list.rows.push_back(i);
   list.held = list.hold = VectorXd::Constant(list.success.size(), NAN);
   return list;
@@ -157,6 +166,22 @@ VectorXd outcomesOf(const std::vector<GraspList>& lists) {
   return samplesOf(lists, {}, LearningTarget::hold).samples.targets;
 }
 
+// Networks that have not seen an object, and recollections of the others. (The surprises on these come from
+// networks that may have seen it, which says next to nothing of it.)
+MatrixXd recalledScores(const StudyData& data, const MatrixXd& scores) {
+  const std::vector<RememberedList> all =
+      remembered(data.lists, data.samples.samples.targets, scores.rowwise().mean());
+  MatrixXd result = scores;
+  Eigen::Index begin = 0;
+  for (const GraspList& list : data.lists) {
+    const Eigen::Index n = std::ssize(list.rows);
+    result.middleRows(begin, n).colwise() +=
+        corrections(list.constellation, list.places, recollectionsWithout(list.key.object, all), {});
+    begin += n;
+  }
+  return result;
+}
+
 std::string row(const RankingVerdict& verdict) {
   const auto percent = [](double share) {
     return std::isnan(share) ? std::string("-") : fmt::format("{:.1f}", 100 * share);
@@ -177,6 +202,8 @@ StudyData studyData(const StudyCommand& command, const StopToken& stop) {
   data.target = targetOf(command.target);
   if (!command.store && data.target != LearningTarget::success)
     throw InputError(fmt::format("--target {} needs --store: computed labels know s alone", command.target));
+  if (command.recollections && !command.store)
+    throw InputError("--recollections needs --store: without it nothing was tried that could be remembered");
   // The measures alone are what learning is compared with, so all of them are needed.
   const std::vector<std::string> measured = allFeatures();
   data.lists = command.store ? simulatedLists(command, hand, measured, stop)
@@ -202,15 +229,20 @@ LearningOptions learningOptions(const StudyCommand& command, LearningTarget targ
   return options;
 }
 
-StudyResult evaluated(const StudyCommand& command, const StudyData& data, const StopToken& stop) {
-  const LearningOptions learning = learningOptions(command, data.target);
+CrossValidationOptions validationOptions(const StudyCommand& command, LearningTarget target, int repeats) {
+  const LearningOptions learning = learningOptions(command, target);
   CrossValidationOptions options;
   options.training = learning.training;
   options.networks = learning.networks;
   options.calibrate = learning.calibrate;
-  options.repeats = command.repeats;
+  options.repeats = repeats;
   options.seed = command.seed;
   options.threads = command.threads;
+  return options;
+}
+
+StudyResult evaluated(const StudyCommand& command, const StudyData& data, const StopToken& stop) {
+  const CrossValidationOptions options = validationOptions(command, data.target, command.repeats);
   StudyResult result;
   {
     ProgressBar bar("leaving one object out");
@@ -218,11 +250,19 @@ StudyResult evaluated(const StudyCommand& command, const StudyData& data, const 
         data.samples, options, stop, [&](std::size_t done, std::size_t total) { bar.update(done, total); });
   }
   result.network = judge("network", data.lists, result.validation.scores);
+  if (command.store)
+    result.recalled = judge("with recollections", data.lists, recalledScores(data, result.validation.scores));
   result.chance = judgeChance(data.lists, kChanceRepeats, command.seed);
   result.measures = judgeMeasures(data.lists);
   if (options.calibrate)
     result.reliability = reliabilityOf(result.validation.scores.rowwise().mean(), outcomesOf(data.lists));
   return result;
+}
+
+std::vector<RememberedList> remembered(const StudyCommand& command, const StudyData& data,
+                                       const VectorXd& foretold) {
+  if (!command.recollections) return {};
+  return remembered(data.lists, data.samples.samples.targets, foretold);
 }
 
 const RankingVerdict& bestOfNine(const std::vector<RankingVerdict>& measures) {
@@ -235,8 +275,9 @@ std::string verdictTable(const StudyResult& result) {
   std::string table =
       fmt::format("{:<24} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7}\n", "ranking by", "S_net",
                   "span %", "list %", "best", "worst", "hold %", "top-1 %", "shaken %", "top-5 %");
-  table += row(result.network) + row(result.measures.front()) + row(bestOfNine(result.measures)) +
-           row(result.chance);
+  table += row(result.network);
+  if (result.recalled) table += row(*result.recalled);
+  table += row(result.measures.front()) + row(bestOfNine(result.measures)) + row(result.chance);
   return table +
          "span: share of the span from the worst ranking to the perfect one by s, an object in all sizes; "
          "list: the same in one size;\nhold: by the share of perturbed trials held; top-1: first grasps held "

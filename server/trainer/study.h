@@ -28,7 +28,8 @@ struct StudyCommand {
   int starts = 1;    // of each network
   int repeats = 10;  // of the leave-one-object-out validation
   std::uint64_t seed = 1;
-  int threads = 0;  // 0 = all cores; results do not depend on it
+  int threads = 0;             // 0 = all cores; results do not depend on it
+  bool recollections = false;  // models remember the objects too, for the planner's [recall]; needs a store
   std::optional<std::filesystem::path> hand;
 };
 
@@ -45,14 +46,23 @@ StudyData studyData(const StudyCommand& command, const StopToken& stop);
 
 LearningOptions learningOptions(const StudyCommand& command, LearningTarget target);
 
+CrossValidationOptions validationOptions(const StudyCommand& command, LearningTarget target, int repeats);
+
 // A ranking by networks that have not seen the object, beside what needs no learning.
 struct StudyResult {
   CrossValidation validation;
   RankingVerdict network, chance;
+  std::optional<RankingVerdict> recalled;  // the network's, corrected by what became of grasps on the other
+                                           // objects; where their places are known
   std::vector<RankingVerdict> measures;    // the best first
   std::optional<Reliability> reliability;  // where the target is a probability
 };
 StudyResult evaluated(const StudyCommand& command, const StudyData& data, const StopToken& stop);
+
+// What a model may remember: `foretold` by networks that had not seen the objects, a row for each sample.
+// Empty unless asked for.
+std::vector<RememberedList> remembered(const StudyCommand& command, const StudyData& data,
+                                       const VectorXd& foretold);
 
 // The best of the nine measures, which is what the paper's network has to beat.
 const RankingVerdict& bestOfNine(const std::vector<RankingVerdict>& measures);

@@ -61,6 +61,7 @@ nlohmann::json studyJson(const StudyData& data, const StudyResult& result) {
                       {"measures", measures},
                       {"objects", objects},
                       {"time_s", result.validation.time_s}};
+  if (result.recalled) json["recalled"] = jsonOf(*result.recalled);
   if (result.reliability) json["reliability"] = jsonOf(*result.reliability);
   return json;
 }

@@ -110,6 +110,8 @@ void runTrain(const TrainCommand& command, const std::string& command_line) {
   const Learnt learnt = learnAll(command.study, data, stop);
   Model model = modelOf(command, command_line, data, result);
   model.ensemble = learnt.ensemble;
+  const VectorXd foretold = result.validation.scores.rowwise().mean();
+  model.recollections = recollectionsWithout("", remembered(command.study, data, foretold));
   model = writeModel(model, command.out);
   if (command.report)
     writeReport({command.study, data, result, learnt, model, points}, *command.report, stop);

@@ -282,7 +282,8 @@ TEST(Learning, RanksObjectsLeftOutAndSaysSoTheSameOnAnyNumberOfThreads) {
   EXPECT_EQ(one["objects"].size(), 3u);
   EXPECT_EQ(one["samples"], 36);
   EXPECT_NEAR(one["random"]["span_fraction"].get<double>(), 0.5, 0.1);
-  for (const char* ranking : {"network", "random", "best_of_q1_to_q9"}) EXPECT_TRUE(one.contains(ranking));
+  for (const char* ranking : {"network", "recalled", "random", "best_of_q1_to_q9"})
+    EXPECT_TRUE(one.contains(ranking));
 }
 
 TEST(Learning, WritesAModelWithItsOriginAndAReportThatFetchesNothing) {
@@ -303,6 +304,30 @@ TEST(Learning, WritesAModelWithItsOriginAndAReportThatFetchesNothing) {
     EXPECT_THAT(page, ::testing::Not(HasSubstr(fetching)));
 }
 
+TEST(Learning, RemembersWhatWasTriedWhereThatIsAskedFor) {
+  const TemporaryFolder folder;
+  const std::string store = smallStore(folder);
+  const auto trained = [&](std::vector<std::string> more) {
+    std::vector<std::string> arguments{"train",      "--store", store,   "--repeats",           "1",
+                                       "--ensemble", "2",       "--out", folder / "model.json", "--json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Finished finished = trainer(arguments);
+    EXPECT_EQ(finished.code, kDone) << finished.err;
+    return json::parse(contentOf(folder / "model.json"));
+  };
+  EXPECT_FALSE(trained({}).contains("recollections")) << "a model remembers nothing unasked";
+  const json model = trained({"--recollections"});
+  ASSERT_EQ(model["recollections"].size(), 3u) << "one for each object";
+  std::size_t grasps = 0;
+  for (const json& recollection : model["recollections"]) grasps += recollection["places"].size();
+  EXPECT_EQ(grasps, 36u) << "each that was tried";
+  std::ofstream(folder / "recall.toml") << "[recall]\nenabled = true\n";
+  const Finished rates = trainer({"rates", "--objects", "mug", "--store", store, "--answers-only", "--config",
+                                  folder / "recall.toml", "--json"});
+  ASSERT_EQ(rates.code, kDone) << rates.err;
+  EXPECT_EQ(json::parse(rates.out)["changed_options"], json({"recall.enabled"}));
+}
+
 TEST(Learning, RefusesWhatCannotBeLearnt) {
   const TemporaryFolder folder;
   const auto refusal = [&](std::vector<std::string> arguments) {
@@ -315,6 +340,7 @@ TEST(Learning, RefusesWhatCannotBeLearnt) {
   EXPECT_THAT(refusal({"--inputs", "all"}), HasSubstr("would learn its own input"));
   EXPECT_THAT(refusal({"--inputs", "q1,q0"}), HasSubstr("'q0' is unknown"));
   EXPECT_THAT(refusal({"--target", "hold"}), HasSubstr("needs --store"));
+  EXPECT_THAT(refusal({"--recollections"}), HasSubstr("--recollections needs --store"));
   EXPECT_THAT(refusal({"--target", "luck"}), HasSubstr("s, hold or both"));
   EXPECT_THAT(refusal({"--store", "/no/such.db"}), HasSubstr("/no/such.db"));
 }

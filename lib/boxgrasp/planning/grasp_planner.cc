@@ -9,6 +9,7 @@
 #include "boxgrasp/base/error.h"
 #include "boxgrasp/planning/distinct.h"
 #include "boxgrasp/planning/features.h"
+#include "boxgrasp/planning/grasp_places.h"
 #include "boxgrasp/planning/hypotheses.h"
 #include "boxgrasp/planning/tally.h"
 
@@ -32,13 +33,24 @@ void preferConcave(double weight, const std::vector<Grasp*>& grasps) {
   for (Grasp* grasp : grasps) grasp->score += weight * deviation * concavity(*grasp);
 }
 
+// The networks' scores, corrected by what became of such grasps on objects like this.
+VectorXd recalled(const Model& model, const RecallOptions& options, const PlannedObject& object,
+                  const std::vector<const Grasp*>& grasps, const VectorXd& scores) {
+  const VectorXd corrected =
+      scores + corrections(constellationOf(object.tree), graspPlaces(object.tree, grasps),
+                           model.recollections, options);
+  return model.ensemble.calibration ? VectorXd(corrected.cwiseMax(0.0).cwiseMin(1.0)) : corrected;
+}
+
 // All grasps of one object at once: places among them count.
 void scoreObject(const Model& model, const PlannedObject& object, const std::vector<Grasp*>& grasps,
                  const PlannerOptions& options, double friction, const StopToken& stop) {
   const MeasuringOptions measuring{model.features, friction, options.threads};
-  const MatrixXd measures = graspMeasures(object, {grasps.begin(), grasps.end()}, measuring, stop);
+  const std::vector<const Grasp*> measured(grasps.begin(), grasps.end());
+  const MatrixXd measures = graspMeasures(object, measured, measuring, stop);
   const MatrixXd inputs = networkInputs(model.features, measures);
-  const VectorXd all = scores(model.ensemble, inputs);
+  VectorXd all = scores(model.ensemble, inputs);
+  if (options.recall.enabled) all = recalled(model, options.recall, object, measured, all);
   for (Eigen::Index i = 0; i < all.size(); ++i) {
     Grasp& grasp = *grasps[static_cast<std::size_t>(i)];
     grasp.score = all[i];
@@ -59,6 +71,9 @@ void rank(const Model& model, const PlannerOptions& options, double friction, co
   std::stable_sort(result.grasps.begin(), result.grasps.end(),
                    [](const Grasp& a, const Grasp& b) { return a.score > b.score; });
   tally.count(StageId::ranking, result.grasps.size(), result.grasps.size());
+  if (options.recall.enabled && model.recollections.empty())
+    result.report.notes.push_back(
+        "recall.enabled is true, but the model remembers no objects; train it with --recollections");
 }
 
 void keepDistinct(const PlannerOptions& options, int top_k, const StopToken& stop, std::vector<Grasp>& grasps,
@@ -138,6 +153,7 @@ void PlannerOptions::validate() const {
   contacts.validate();
   clearance.validate();
   shapes.validate();
+  recall.validate();
   requireOption(concavity_weight >= 0 && concavity_weight <= 100, "concavity_weight", concavity_weight,
                 "in [0, 100]");
   robot.validate();

@@ -39,6 +39,7 @@ struct PlannerOptions {
   ContactOptions contacts;
   ClearanceOptions clearance;
   ShapeOptions shapes;
+  RecallOptions recall;
   RobotOptions robot;
   // The depth that a finger reaches, for the palm's height and q8: by the hand's kinematics, or by the
   // paper's line.

@@ -126,6 +126,12 @@ void read(Section section, ClearanceOptions& options) {
   section("min_opening_rad", min_opening_rad)("closing_steps", closing_steps);
 }
 
+void read(Section section, RecallOptions& options) {
+  auto& [enabled, overlap, size, contacts, angle_rad, own_weight] = options;
+  section("enabled", enabled)("overlap", overlap)("size", size)("contacts", contacts);
+  section("angle_rad", angle_rad)("own_weight", own_weight);
+}
+
 void read(Section section, RobotOptions& options) {
   auto& [frame, answer_frame, camera_position_m, camera_quaternion_wxyz, palm_position_m,
          palm_quaternion_wxyz, gravity, approach, approach_cone_rad, workspace_min_m, workspace_max_m,
@@ -155,8 +161,8 @@ void readStage(ConfigFile& file, const std::string& section, Options& options) {
 PlannerOptions readPlannerOptions(ConfigFile& file) {
   PlannerOptions options;
   auto& [validation, scene, clean, completion, decomposition, faces, image, contours, regions, triplets,
-         configurations, contacts, clearance, shapes, robot, depth_model, force_closure, guessed_faces,
-         concavity_weight, merge_distance_m, merge_angle_rad, threads] = options;
+         configurations, contacts, clearance, shapes, recall, robot, depth_model, force_closure,
+         guessed_faces, concavity_weight, merge_distance_m, merge_angle_rad, threads] = options;
   readStage(file, "validation", validation);
   readStage(file, "scene", scene);
   readStage(file, "clean", clean);
@@ -171,6 +177,7 @@ PlannerOptions readPlannerOptions(ConfigFile& file) {
   readStage(file, "contacts", contacts);
   readStage(file, "clearance", clearance);
   readStage(file, "shapes", shapes);
+  readStage(file, "recall", recall);
   readStage(file, "robot", robot);
   Section planner(file, "planner");
   planner("depth_model", depth_model, {"exact", "linear"})("force_closure", force_closure,

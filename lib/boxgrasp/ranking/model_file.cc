@@ -53,19 +53,42 @@ json toJson(const std::optional<Calibration>& calibration) {
   return {{"slope", calibration->slope}, {"offset", calibration->offset}};
 }
 
+std::string toHex(const Constellation::Cells& cells) {
+  std::string hex;
+  for (std::size_t i = 0; i < cells.size(); i += 4)
+    hex += "0123456789abcdef"[cells[i] + 2 * cells[i + 1] + 4 * cells[i + 2] + 8 * cells[i + 3]];
+  return hex;
+}
+
+json toJson(const Recollection& recollection) {
+  json places = json::array();
+  for (const GraspPlace& place : recollection.places) {
+    VectorXd row(9);
+    row << place.contacts, place.approach, place.thumb;
+    places.push_back(toJson(row));
+  }
+  return {{"unit_m", recollection.constellation.unit_m},
+          {"cells", toHex(recollection.constellation.cells)},
+          {"places", places},
+          {"surprises", toJson(recollection.surprises)}};
+}
+
 json contentOf(const Model& model) {
-  return {{"format", kFormat},
-          {"format_version", Model::kFormatVersion},
-          {"name", model.name},
-          {"trained_on", model.trained_on},
-          {"command", model.command},
-          {"data_hash", model.data_hash},
-          {"seed", model.seed},
-          {"created", model.created},
-          {"features", model.features},
-          {"metrics", model.metrics},
-          {"networks", toJson(model.ensemble.networks)},
-          {"calibration", toJson(model.ensemble.calibration)}};
+  json content{{"format", kFormat},
+               {"format_version", Model::kFormatVersion},
+               {"name", model.name},
+               {"trained_on", model.trained_on},
+               {"command", model.command},
+               {"data_hash", model.data_hash},
+               {"seed", model.seed},
+               {"created", model.created},
+               {"features", model.features},
+               {"metrics", model.metrics},
+               {"networks", toJson(model.ensemble.networks)},
+               {"calibration", toJson(model.ensemble.calibration)}};
+  for (const Recollection& recollection : model.recollections)
+    content["recollections"].push_back(toJson(recollection));
+  return content;
 }
 
 // --- from JSON
@@ -81,16 +104,19 @@ class Node {
                                  key_.empty() ? "the content" : "key '" + key_ + "'", what, kRemedy));
   }
 
-  // This object's member; the object must have exactly the keys `all`.
+  // This object's member, which must be there.
   Node at(const char* key) const { return {value_.at(key), file_, key_.empty() ? key : key_ + "." + key}; }
 
-  void requireKeys(const std::set<std::string>& all) const {
+  bool has(const char* key) const { return value_.contains(key); }
+
+  void requireKeys(const std::set<std::string>& all, const std::set<std::string>& optional = {}) const {
     if (!value_.is_object()) fail(fmt::format("must be an object, but is {}", value_.type_name()));
     for (const auto& key : all) {
       if (!value_.contains(key)) fail(fmt::format("lacks the key '{}'", key));
     }
     for (const auto& item : value_.items()) {
-      if (!all.contains(item.key())) fail(fmt::format("has the unknown key '{}'", item.key()));
+      if (!all.contains(item.key()) && !optional.contains(item.key()))
+        fail(fmt::format("has the unknown key '{}'", item.key()));
     }
   }
 
@@ -178,6 +204,33 @@ std::optional<Calibration> calibrationFrom(const Node& node) {
   return Calibration{node.at("slope").number(), node.at("offset").number()};
 }
 
+Constellation::Cells cellsFrom(const Node& node) {
+  Constellation::Cells cells;
+  const std::string hex = node.text();
+  if (hex.size() != cells.size() / 4 || hex.find_first_not_of("0123456789abcdef") != std::string::npos)
+    node.fail(fmt::format("must be {} hexadecimal digits", cells.size() / 4));
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const char digit = hex[i / 4];
+    cells[i] = ((digit <= '9' ? digit - '0' : digit - 'a' + 10) >> (i % 4)) & 1;
+  }
+  return cells;
+}
+
+GraspPlace placeFrom(const Node& node) {
+  const VectorXd row = node.vector();
+  if (row.size() != 9) node.fail(fmt::format("has {} numbers, but must have 9", row.size()));
+  return {row.segment<3>(0), row.segment<3>(3), row.segment<3>(6)};
+}
+
+Recollection recollectionFrom(const Node& node) {
+  node.requireKeys({"unit_m", "cells", "places", "surprises"});
+  Recollection recollection{{node.at("unit_m").number(), cellsFrom(node.at("cells"))}, {}, {}};
+  for (const Node& place : node.at("places").items(Recollection::kMaxGrasps))
+    recollection.places.push_back(placeFrom(place));
+  recollection.surprises = node.at("surprises").vector();
+  return recollection;
+}
+
 // Before anything else, so that a file of a later format is told apart from a damaged one.
 void checkFormat(const json& content, const Node& root) {
   if (!content.is_object() || content.value("format", json()) != json(kFormat)) {
@@ -193,7 +246,8 @@ void checkFormat(const json& content, const Node& root) {
 
 Model modelFrom(const Node& root) {
   root.requireKeys({"format", "format_version", "version", "name", "trained_on", "command", "data_hash",
-                    "seed", "created", "features", "metrics", "networks", "calibration"});
+                    "seed", "created", "features", "metrics", "networks", "calibration"},
+                   {"recollections"});
   Model model;
   model.version = root.at("version").text();
   model.name = root.at("name").text();
@@ -208,6 +262,10 @@ Model modelFrom(const Node& root) {
   for (const Node& network : root.at("networks").items(Ensemble::kMaxNetworks))
     model.ensemble.networks.push_back(networkFrom(network));
   model.ensemble.calibration = calibrationFrom(root.at("calibration"));
+  if (root.has("recollections")) {
+    for (const Node& node : root.at("recollections").items(Recollection::kMaxObjects))
+      model.recollections.push_back(recollectionFrom(node));
+  }
   return model;
 }
 
@@ -233,6 +291,7 @@ void checkModel(const Model& model, const std::string& file) {
   };
   try {
     model.ensemble.validate();
+    for (const Recollection& recollection : model.recollections) recollection.validate();
   } catch (const InputError& error) {
     fail(error.what());
   }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "boxgrasp/ranking/ensemble.h"
+#include "boxgrasp/ranking/recollections.h"
 
 namespace boxgrasp {
 
@@ -24,6 +25,7 @@ struct Model {
   std::vector<std::string> features;      // names of the inputs in order, e.g. q1 .. q9
   std::map<std::string, double> metrics;  // e.g. "s_net", "s_net_fraction"
   Ensemble ensemble;
+  std::vector<Recollection> recollections;  // of what it was trained on, where that was asked for
 };
 
 // Reads and checks a model file (JSON, at most 32 MiB). Throws InputError naming the file, the key and what

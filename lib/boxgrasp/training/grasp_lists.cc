@@ -1,9 +1,10 @@
 #include "boxgrasp/training/grasp_lists.h"
 
+#include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "boxgrasp/planning/features.h"
-#include "boxgrasp/training/labelling.h"
 
 namespace boxgrasp {
 namespace {
@@ -19,10 +20,18 @@ double heldShare(const std::vector<GraspLabel>& labels) {
 GraspList listOf(LabelledModel model) {
   std::erase_if(model.labelled, [](const LabelledHypothesis& one) { return !labelAsPlanned(one); });
   const auto n = static_cast<Index>(model.labelled.size());
-  GraspList list{model.key, std::move(model.measures), {}, VectorXd(n), VectorXd(n), VectorXd(n)};
+  GraspList list{.key = model.key,
+                 .measures = std::move(model.measured.values),
+                 .rows = {},
+                 .success = VectorXd(n),
+                 .held = VectorXd(n),
+                 .hold = VectorXd(n),
+                 .constellation = model.measured.constellation,
+                 .places = {}};
   for (Index i = 0; i < n; ++i) {
     const LabelledHypothesis& one = model.labelled[static_cast<std::size_t>(i)];
     list.rows.push_back(one.hypothesis.index);
+    list.places.push_back(model.measured.places[static_cast<std::size_t>(one.hypothesis.index)]);
     list.held[i] = labelAsPlanned(one)->outcome == TrialOutcome::held;
     list.hold[i] = heldShare(one.labels);
   }
@@ -38,6 +47,25 @@ VectorXd objectSuccesses(const std::vector<const LabelledModel*>& models) {
     }
   }
   return successes(all);
+}
+
+double rounded(double value) { return std::round(value * 1e4) / 1e4; }
+
+Vector3d rounded(const Vector3d& v) {
+  return v.unaryExpr([](double value) { return rounded(value); });
+}
+
+Recollection recollectionOf(const GraspList& list, const VectorXd& surprises) {
+  const std::size_t all = list.places.size(), count = std::min(all, Recollection::kMaxGrasps);
+  Recollection recollection{
+      {rounded(list.constellation.unit_m), list.constellation.cells}, {}, VectorXd(count)};
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t row = i * all / count;
+    const GraspPlace& place = list.places[row];
+    recollection.places.push_back({rounded(place.contacts), rounded(place.approach), rounded(place.thumb)});
+    recollection.surprises[static_cast<Index>(i)] = rounded(surprises[static_cast<Index>(row)]);
+  }
+  return recollection;
 }
 
 VectorXd targetsOf(const GraspList& list, LearningTarget target) {
@@ -95,6 +123,28 @@ GroupedSamples samplesOf(const std::vector<GraspList>& lists, const std::vector<
     begin += rows;
   }
   return data;
+}
+
+std::vector<RememberedList> remembered(const std::vector<GraspList>& lists, const VectorXd& targets,
+                                       const VectorXd& foretold) {
+  std::vector<RememberedList> result;
+  Index begin = 0;
+  for (const GraspList& list : lists) {
+    const Index n = std::ssize(list.rows);
+    const VectorXd surprises = targets.segment(begin, n) - foretold.segment(begin, n);
+    begin += n;
+    if (!list.places.empty() && n > 0) result.push_back({list.key.object, recollectionOf(list, surprises)});
+  }
+  return result;
+}
+
+std::vector<Recollection> recollectionsWithout(const std::string& object,
+                                               const std::vector<RememberedList>& lists) {
+  std::vector<Recollection> result;
+  for (const RememberedList& list : lists) {
+    if (list.object != object) result.push_back(list.recollection);
+  }
+  return result;
 }
 
 std::string dataHash(const GroupedSamples& data) {

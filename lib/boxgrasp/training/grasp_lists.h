@@ -6,6 +6,7 @@
 
 #include "boxgrasp/training/cross_validation.h"
 #include "boxgrasp/training/experience.h"
+#include "boxgrasp/training/labelling.h"
 
 namespace boxgrasp {
 
@@ -16,13 +17,15 @@ struct GraspList {
   VectorXd success;                // s (Eq. 6), over the greatest of the object in all its sizes and views
   VectorXd held;                   // 1 where the grasp came through lift and shake as planned, else 0
   VectorXd hold;                   // the share of all labels, with all perturbations, that did
+  Constellation constellation;     // of the object as it was planned on
+  std::vector<GraspPlace> places;  // of `rows`; empty where they are not known
 };
 
 // What a store and a new plan know of one model.
 struct LabelledModel {
   ModelKey key;
-  MatrixXd measures;
-  std::vector<LabelledHypothesis> labelled;  // of the planner; index is the row of `measures`
+  HypothesisMeasures measured;
+  std::vector<LabelledHypothesis> labelled;  // of the planner; index is the row of `measured`
 };
 
 // Lists in the same order; hypotheses that were not yet tried as planned are left out.
@@ -38,6 +41,20 @@ std::string_view describe(LearningTarget target);
 // All labelled grasps, list by list, with the inputs of a network with these features.
 GroupedSamples samplesOf(const std::vector<GraspList>& lists, const std::vector<std::string>& features,
                          LearningTarget target);
+
+// What a model may remember of each list whose places are known (at most Recollection::kMaxGrasps, evenly
+// chosen), rounded to four decimals: surprises are targets less `foretold`, a row for each row of
+// samplesOf(lists), by networks that had not seen the object.
+struct RememberedList {
+  std::string object;
+  Recollection recollection;
+};
+std::vector<RememberedList> remembered(const std::vector<GraspList>& lists, const VectorXd& targets,
+                                       const VectorXd& foretold);
+
+// Those of other objects than this one.
+std::vector<Recollection> recollectionsWithout(const std::string& object,
+                                               const std::vector<RememberedList>& lists);
 
 // BLAKE2b of inputs, targets and names.
 std::string dataHash(const GroupedSamples& data);

@@ -7,6 +7,7 @@
 #include "boxgrasp/base/error.h"
 #include "boxgrasp/objects/mesh_properties.h"
 #include "boxgrasp/planning/features.h"
+#include "boxgrasp/planning/grasp_places.h"
 #include "boxgrasp/planning/hypotheses.h"
 #include "boxgrasp/training/analytic_labels.h"
 #include "boxgrasp/training/baselines.h"
@@ -148,9 +149,10 @@ std::string labellingSettings(const HandDescription& hand, const LabellingOption
       "force_closure = {}\nstep_s = {}\nfriction = {}\nshift_m = {}\nturn_rad = {}\nfriction_share = {}\n"
       "mass_share = {}\n",
       code_version, hand.name, options.seed, options.points, options.limit, options.random,
-      static_cast<int>(options.last_stage), options.protocols, static_cast<int>(options.planner.force_closure),
-      physics.step_s, physics.friction, options.perturbation.shift_m, options.perturbation.turn_rad,
-      options.perturbation.friction_share, options.perturbation.mass_share);
+      static_cast<int>(options.last_stage), options.protocols,
+      static_cast<int>(options.planner.force_closure), physics.step_s, physics.friction,
+      options.perturbation.shift_m, options.perturbation.turn_rad, options.perturbation.friction_share,
+      options.perturbation.mass_share);
 }
 
 std::string meshHash(const TriangleMesh& mesh) {
@@ -184,16 +186,19 @@ PlannedModel planModel(const HandDescription& hand, const TriangleMesh& mesh_O, 
   return model;
 }
 
-MatrixXd hypothesisMeasures(const HandDescription& hand, const TriangleMesh& mesh_O, const ModelKey& key,
-                            int cameras, const std::vector<HypothesisRecord>& known,
-                            const std::vector<std::string>& features, const LabellingOptions& options,
-                            const StopToken& stop) {
+HypothesisMeasures hypothesisMeasures(const HandDescription& hand, const TriangleMesh& mesh_O,
+                                      const ModelKey& key, int cameras,
+                                      const std::vector<HypothesisRecord>& known,
+                                      const std::vector<std::string>& features,
+                                      const LabellingOptions& options, const StopToken& stop) {
   const auto [result, tally, friction] = plan(hand, mesh_O, key, cameras, options, stop);
   requireAsPlanned(key, known, result.grasps);
   if (result.objects.empty()) return {};
   std::vector<const Grasp*> grasps;
   for (const Grasp& grasp : result.grasps) grasps.push_back(&grasp);
-  return graspMeasures(result.objects.front(), grasps, {features, friction, options.planner.threads}, stop);
+  const PlannedObject& object = result.objects.front();
+  return {graspMeasures(object, grasps, {features, friction, options.planner.threads}, stop),
+          constellationOf(object.tree), graspPlaces(object.tree, grasps)};
 }
 
 GraspLabel labelGrasp(const HandDescription& hand, const SimulatedObject& solid, const ModelKey& key,

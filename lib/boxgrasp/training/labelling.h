@@ -9,6 +9,7 @@
 
 #include "boxgrasp/planning/plan.h"
 #include "boxgrasp/ranking/network.h"
+#include "boxgrasp/ranking/recollections.h"
 #include "boxgrasp/simulation/object.h"
 #include "boxgrasp/simulation/perturbation.h"
 #include "boxgrasp/simulation/protocols.h"
@@ -53,14 +54,21 @@ PlannedModel planModel(const HandDescription& hand, const TriangleMesh& mesh_O, 
                        int cameras, const std::vector<GraspSource>& sources, const LabellingOptions& options,
                        const StopToken& stop = {});
 
-// What graspMeasures() says of all the planner's hypotheses on it, for networks with these features, planned
-// as planModel() does with the same input: row i belongs to the hypothesis of index i. Throws as planModel();
+// What a ranking asks of all the planner's hypotheses on a model; row and place i are of the one of index i.
+struct HypothesisMeasures {
+  MatrixXd values;  // as from graspMeasures()
+  Constellation constellation;
+  std::vector<GraspPlace> places;
+};
+
+// For networks with these features, planned as planModel() does with the same input. Throws as planModel();
 // and InputError that names the first of `known` whose pose or quality measures are not as planned anew,
 // because another version of the planner made it.
-MatrixXd hypothesisMeasures(const HandDescription& hand, const TriangleMesh& mesh_O, const ModelKey& key,
-                            int cameras, const std::vector<HypothesisRecord>& known,
-                            const std::vector<std::string>& features, const LabellingOptions& options,
-                            const StopToken& stop = {});
+HypothesisMeasures hypothesisMeasures(const HandDescription& hand, const TriangleMesh& mesh_O,
+                                      const ModelKey& key, int cameras,
+                                      const std::vector<HypothesisRecord>& known,
+                                      const std::vector<std::string>& features,
+                                      const LabellingOptions& options, const StopToken& stop = {});
 
 // What ModelRecord::mesh_hash is of this mesh.
 std::string meshHash(const TriangleMesh& mesh);

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <fstream>
 #include <limits>
+#include <random>
 #include <sstream>
 
 #include "boxgrasp/base/error.h"
@@ -45,6 +46,20 @@ Model sample(const std::vector<int>& widths = {2, 2}) {
   model.ensemble.calibration = {2.5, -0.1};
   for (int i = 0; i < widths.front(); ++i) model.features.push_back(fmt::format("q{}", i + 1));
   model.metrics = {{"s_net", 0.078}, {"s_net_fraction", 0.61}};
+  return model;
+}
+
+Model withRecollections() {
+  Model model = sample();
+  std::mt19937 random(3);
+  for (int i = 0; i < 2; ++i) {
+    Recollection recollection{{0.1 + 0.1 * i, {}}, {}, VectorXd{{0.25, -0.5}}};
+    for (std::size_t k = 0; k < recollection.constellation.cells.size(); ++k)
+      recollection.constellation.cells[k] = random() % 2;
+    recollection.places = {{{0.1, 0.2 * i, 0.3}, Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ()},
+                           {{-0.1, 0.0, 1.0 / 3}, Eigen::Vector3d::UnitY(), -Eigen::Vector3d::UnitX()}};
+    model.recollections.push_back(recollection);
+  }
   return model;
 }
 
@@ -121,6 +136,37 @@ TEST_F(ModelFile, ReadsBackAModelWithoutCalibration) {
   const Model written = writeModel(model, path());
   expectSame(readModel(path()), written);
   EXPECT_NE(written.version, modelVersion(sample())) << "the calibration is content";
+}
+
+TEST_F(ModelFile, ReadsBackWhatTheModelRemembers) {
+  const Model written = writeModel(withRecollections(), path());
+  const Model read = readModel(path());
+  EXPECT_NE(written.version, writeModel(sample(), folder_ / "without.json").version);
+  ASSERT_EQ(read.recollections.size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Recollection &a = read.recollections[i], &b = written.recollections[i];
+    EXPECT_EQ(a.constellation.cells, b.constellation.cells);
+    EXPECT_EQ(a.constellation.unit_m, b.constellation.unit_m);
+    EXPECT_TRUE(sameBits(a.surprises, b.surprises));
+    ASSERT_EQ(a.places.size(), b.places.size());
+    for (std::size_t k = 0; k < a.places.size(); ++k) {
+      EXPECT_TRUE(sameBits(a.places[k].contacts, b.places[k].contacts));
+      EXPECT_TRUE(sameBits(a.places[k].approach, b.places[k].approach));
+      EXPECT_TRUE(sameBits(a.places[k].thumb, b.places[k].thumb));
+    }
+  }
+}
+
+TEST_F(ModelFile, RefusesRecollectionsThatAreNone) {
+  writeModel(withRecollections(), path());
+  const std::string text = textOf(path());
+  const auto error = [&](const char* from, const char* to) { return errorOf(replaced(text, from, to)); };
+  EXPECT_THAT(error("\"cells\": \"", "\"cells\": \"x"),
+              AllOf(HasSubstr("recollections[0].cells"), HasSubstr("1024 hexadecimal digits")));
+  EXPECT_THAT(error("\"unit_m\": 0.1", "\"unit_m\": -0.1"), HasSubstr("'unit_m' is -0.1"));
+  EXPECT_THAT(error("\"unit_m\": 0.1", "\"unit\": 0.1"), HasSubstr("lacks the key 'unit_m'"));
+  EXPECT_THAT(error("0.25,", ""), HasSubstr("'the number of surprises' is 1"));
+  EXPECT_THAT(error("0.25,", "\"a\","), HasSubstr("recollections[0].surprises[0]"));
 }
 
 TEST_F(ModelFile, KeepsExtremeNumbersToTheBit) {

@@ -12,8 +12,14 @@ namespace {
 using Eigen::Index;
 
 GraspList randomList(const std::string& object, double scale, Index n, std::mt19937_64& random) {
-  GraspList list{{object, scale}, MatrixXd(2 * n, std::ssize(measureNames())), {}, VectorXd(n), VectorXd(n),
-                 VectorXd(n)};
+  GraspList list{.key = {object, scale},
+                 .measures = MatrixXd(2 * n, std::ssize(measureNames())),
+                 .rows = {},
+                 .success = VectorXd(n),
+                 .held = VectorXd(n),
+                 .hold = VectorXd(n),
+                 .constellation = {},
+                 .places = {}};
   for (double& value : list.measures.reshaped()) value = uniform(random);
   for (Index i = 0; i < n; ++i) {
     list.rows.push_back(2 * i);
@@ -35,6 +41,14 @@ std::vector<GraspList> randomLists() {
 
 VectorXd targets(const std::vector<GraspList>& lists, LearningTarget target) {
   return samplesOf(lists, {}, target).samples.targets;
+}
+
+// Told apart by where they are.
+std::vector<GraspPlace> places(std::size_t n) {
+  std::vector<GraspPlace> result;
+  for (std::size_t i = 0; i < n; ++i)
+    result.push_back({{static_cast<double>(i), 0, 0}, Vector3d::UnitZ(), Vector3d::UnitX()});
+  return result;
 }
 
 TEST(Judge, APerfectRankingReachesTheWholeSpanAndItsReverseNothing) {
@@ -125,7 +139,7 @@ TEST(GraspLists, KeepWhatWasTriedAsPlannedAndCountAllThatHeld) {
     result.labels = std::move(labels);
     return result;
   };
-  const MatrixXd measures = MatrixXd::Zero(9, std::ssize(measureNames()));
+  const HypothesisMeasures measures{MatrixXd::Zero(9, std::ssize(measureNames())), {}, places(9)};
   const std::vector<GraspList> lists = graspLists(
       {{{"a", 1.0},
         measures,
@@ -137,6 +151,32 @@ TEST(GraspLists, KeepWhatWasTriedAsPlannedAndCountAllThatHeld) {
   EXPECT_EQ(lists[0].hold[0], 0.5);
   EXPECT_DOUBLE_EQ(lists[0].success[0], 0.5) << "over the greatest of the object in all sizes";
   EXPECT_DOUBLE_EQ(lists[1].success[0], 2.0);
+  EXPECT_EQ(lists[1].places.front().contacts.x(), 7.0) << "the place of the grasp that was tried";
+}
+
+TEST(Remembered, AreWhatTheNetworksMisjudgedOnOtherObjects) {
+  std::vector<GraspList> lists = randomLists();
+  for (GraspList& list : lists) list.places = places(list.rows.size());
+  const VectorXd target = targets(lists, LearningTarget::success);
+  const VectorXd foretold = target.array() - 0.25;
+  const std::vector<Recollection> others = recollectionsWithout("b", remembered(lists, target, foretold));
+  ASSERT_EQ(others.size(), 4u) << "two sizes of a and of c";
+  for (const Recollection& other : others) {
+    EXPECT_EQ(other.places.size(), 40u);
+    EXPECT_TRUE(other.surprises.isConstant(0.25)) << other.surprises.transpose();
+  }
+}
+
+TEST(Remembered, AreChosenEvenlyWhereTheyAreMany) {
+  std::mt19937_64 random(5);
+  GraspList list = randomList("a", 1.0, 3000, random);
+  list.places = places(list.rows.size());
+  const VectorXd target = targets({list}, LearningTarget::success);
+  const std::vector<Recollection> all =
+      recollectionsWithout("", remembered({list}, target, VectorXd::Zero(3000)));
+  ASSERT_EQ(all.front().places.size(), Recollection::kMaxGrasps);
+  EXPECT_NEAR(all.front().places.back().contacts.x(), 3000, 4);
+  EXPECT_NEAR(all.front().surprises[512], target[512 * 3000 / 1024], 1e-4);
 }
 
 TEST(Reliability, OfTrueProbabilitiesLiesOnTheDiagonal) {
