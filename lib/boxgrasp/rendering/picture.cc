@@ -37,11 +37,18 @@ Vector3d defaultView(const Vector3d& up_C) {
   return (-0.55 * up_C - 0.75 * side - 0.45 * up_C.cross(side)).normalized();
 }
 
+// For what no sensor saw.
+Colour pale(Colour colour) {
+  const auto mixed = [](std::uint8_t value) { return static_cast<std::uint8_t>((value + 2 * 255) / 3); };
+  return {mixed(colour.red), mixed(colour.green), mixed(colour.blue)};
+}
+
 void drawObject(Canvas& canvas, const PlannedObject& object) {
+  const std::size_t seen = object.cloud_C.size() - object.guessed;
   const std::vector<int> leaves = object.tree.leaves();
   for (std::size_t i = 0; i < leaves.size(); ++i) {
     for (const auto point : object.tree.nodes[leaves[i]].points)
-      canvas.point(object.cloud_C.point(point), boxColour(i), 2);
+      canvas.point(object.cloud_C.point(point), point < seen ? boxColour(i) : pale(boxColour(i)), 2);
   }
 }
 

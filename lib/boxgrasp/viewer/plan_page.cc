@@ -85,7 +85,9 @@ Json objectJson(const PlannedObject& object, const ViewerOptions& options) {
   Json boxes = Json::array();
   const auto& nodes = object.tree.nodes;
   for (std::size_t i = 0; i < nodes.size(); ++i) boxes.push_back(boxJson(nodes[i], object.shapeOf(i)));
-  return {{"cloud", cloudJson(object.cloud_C, leafOfPoints(object), options.max_points)}, {"boxes", boxes}};
+  return {{"cloud", cloudJson(object.cloud_C, leafOfPoints(object), options.max_points)},
+          {"guessed", object.guessed},
+          {"boxes", boxes}};
 }
 
 std::string pngOf(const FaceTrace& face, int side_px) {

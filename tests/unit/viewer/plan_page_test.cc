@@ -83,6 +83,13 @@ TEST(PlanScene, CarriesTheCloudToTheBit) {
   EXPECT_EQ(base64Decoded(json["leaf_uint8"]).size(), cloud.size());
 }
 
+TEST(PlanScene, SaysHowManyPointsWereGuessed) {
+  PlanResult result = mug().result;
+  result.objects[0].guessed = 7;
+  EXPECT_EQ(planScene(result, mug().trace, mug().planner.hand())["objects"][0]["guessed"], 7);
+  EXPECT_EQ(sceneOf()["objects"][0]["guessed"], 0) << "a whole surface leaves nothing to guess";
+}
+
 TEST(PlanScene, ThinsLargeClouds) {
   const Json json = sceneOf(with(&ViewerOptions::max_points, 100))["objects"][0]["cloud"];
   EXPECT_LE(json["drawn"].get<int>(), 100);

@@ -275,10 +275,12 @@
   }
   function showScene() {
     for (const group of Object.values(view.groups)) clear(group);
+    const pale = BOX_COLOURS.map((colour) => new THREE.Color(colour).lerp(new THREE.Color(dark ? 0x16181b : 0xffffff), 0.65));
     view.groups.scene.add(points(plan.scene, () => (dark ? 0x5a626c : 0xb4b9c0), 0.0015));
     for (const object of plan.objects) {
-      const leaf = bytes(object.cloud.leaf_uint8);
-      view.groups.cloud.add(points(object.cloud, (i) => BOX_COLOURS[leaf[i] % BOX_COLOURS.length], 0.0025));
+      const leaf = bytes(object.cloud.leaf_uint8), { drawn, points: all } = object.cloud;
+      const seen = drawn * (1 - object.guessed / all);  // the guessed ones come last, and are drawn paler
+      view.groups.cloud.add(points(object.cloud, (i) => (i < seen ? BOX_COLOURS : pale)[leaf[i] % BOX_COLOURS.length], 0.0025));
     }
     const best = Math.max(...plan.grasps.map((grasp) => grasp.score)), worst = Math.min(...plan.grasps.map((grasp) => grasp.score));
     for (const grasp of plan.grasps) {
