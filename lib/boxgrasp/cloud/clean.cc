@@ -4,8 +4,10 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <numeric>
 
 #include "boxgrasp/base/error.h"
+#include "boxgrasp/base/parallel.h"
 #include "boxgrasp/base/tolerances.h"
 #include "boxgrasp/cloud/neighbours.h"
 #include "boxgrasp/geometry/canonical_frame.h"
@@ -16,6 +18,7 @@ namespace boxgrasp {
 void CleanOptions::validate() const {
   requireOption(voxel_m == 0.0 || (voxel_m >= 1e-5 && voxel_m <= 1.0), "voxel_m", voxel_m,
                 "0, or in [0.00001, 1]");
+  requireOption(threads >= 0, "threads", threads, "at least 0");
   requireOption(outlier_neighbours >= 0 && outlier_neighbours <= 1000, "outlier_neighbours",
                 outlier_neighbours, "in [0, 1000]");
   requireOption(outlier_deviations > 0.0, "outlier_deviations", outlier_deviations, "above 0");
@@ -51,14 +54,21 @@ Voxels fittingVoxels(const PointCloud& cloud_K, const CleanOptions& options, dou
 }
 
 // Each voxel's mean.
-void even(const PointCloud& cloud_C, const Voxels& voxels, CleanCloud& result) {
-  std::vector<Place> places;
-  result.cloud_C = meansOf(cloud_C, voxels);
-  for (std::size_t i = 0; i < voxels.size(); ++i) {
-    collectPlaces(cloud_C, voxels.points(i), places);
-    result.duplicates += voxels.points(i).size() - places.size();
-    result.merged += places.size() - 1;
-  }
+void even(const PointCloud& cloud_C, const Voxels& voxels, int threads, CleanCloud& result) {
+  constexpr std::size_t kStretch = 1024;
+  result.cloud_C = meansOf(cloud_C, voxels, threads);
+  std::vector<std::size_t> places_in((voxels.size() + kStretch - 1) / kStretch);
+  parallelFor(places_in.size(), threads, [&](std::size_t stretch) {
+    std::vector<Place> places;
+    const std::size_t end = std::min(voxels.size(), (stretch + 1) * kStretch);
+    for (std::size_t i = stretch * kStretch; i < end; ++i) {
+      collectPlaces(cloud_C, voxels.points(i), places);
+      places_in[stretch] += places.size();
+    }
+  });
+  const std::size_t places = std::accumulate(places_in.begin(), places_in.end(), std::size_t{0});
+  result.duplicates = cloud_C.size() - places;
+  result.merged = places - voxels.size();
 }
 
 // Each place once. The voxels serve the order alone.
@@ -109,7 +119,8 @@ void judgeByNeighbours(const CleanOptions& options, double spacing_m, CleanCloud
   const bool judged =
       options.outlier_neighbours > 0 && n > static_cast<std::size_t>(options.outlier_neighbours);
   const int k = judged ? options.outlier_neighbours : 1;
-  NeighbourDistances distances = neighbourDistances(result.cloud_C, k, 0.72 * std::sqrt(k) * spacing_m, stop);
+  NeighbourDistances distances =
+      neighbourDistances(result.cloud_C, k, 0.72 * std::sqrt(k) * spacing_m, options.threads, stop);
   if (judged) {
     const auto kept = inliers(distances.mean, options.outlier_deviations);
     result.outliers = n - kept.size();
@@ -130,7 +141,7 @@ CleanCloud clean(const PointCloud& cloud_C, const CleanOptions& options, const S
   double spacing_m = typicalSpacing(cloud_C);
   if (options.voxel_m > 0.0) {
     const Voxels voxels = fittingVoxels(cloud_K, options, result.voxel_m, stop);
-    even(cloud_C, voxels, result);
+    even(cloud_C, voxels, options.threads, result);
     spacing_m = result.voxel_m;
   } else {
     const double edge_m = std::max(bounds(cloud_K).sizes().norm() / 1024.0, tolerance::kCoincident);

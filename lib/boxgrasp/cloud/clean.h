@@ -42,6 +42,7 @@ struct CleanOptions {
   // A cloud with more occupied voxels than this gets larger voxels, until it fits: bounds the planner's time.
   // Does not apply to voxel_m = 0.
   std::size_t max_points = 60'000;
+  int threads = 1;  // 0 = all cores; the result does not depend on it
   void validate() const;
 };
 

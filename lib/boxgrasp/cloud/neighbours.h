@@ -15,6 +15,8 @@ struct NeighbourDistances {
 
 // Neighbours are looked for within `radius_m`, and for points that have fewer there within a radius that
 // doubles; so it should hold about 2k points. Pre: 1 <= k < cloud.size(), radius_m > 0.
-NeighbourDistances neighbourDistances(const PointCloud& cloud, int k, double radius_m, const StopToken& stop);
+// The result does not depend on the number of threads (0 = all cores).
+NeighbourDistances neighbourDistances(const PointCloud& cloud, int k, double radius_m, int threads,
+                                      const StopToken& stop);
 
 }  // namespace boxgrasp

@@ -1,9 +1,11 @@
 #include "boxgrasp/cloud/plane_fit.h"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 
+#include "boxgrasp/base/parallel.h"
 #include "boxgrasp/base/random.h"
 
 namespace boxgrasp {
@@ -33,23 +35,24 @@ std::size_t countWithin(const Plane& plane, const PointCloud& cloud, double dist
   return count;
 }
 
-Plane bestOfSamples(const PointCloud& cloud, double distance_m, std::mt19937_64& random,
+Plane bestOfSamples(const PointCloud& cloud, double distance_m, std::mt19937_64& random, int threads,
                     const StopToken& stop) {
-  constexpr int kTrials = 1000;  // a plane that holds a fifth of the points is missed once in 3,000 times
-  Plane best;
-  std::size_t most = 0;
-  for (int trial = 0; trial < kTrials; ++trial) {
-    if (trial % 64 == 0) stop.check();
+  // A plane that holds a fifth of the points is missed once in 3,000 times.
+  constexpr std::size_t kTrials = 1000, kStretch = 50;
+  std::vector<Plane> planes(kTrials);
+  for (Plane& plane : planes) {
     const auto draw = [&] { return cloud.point(uniformIndex(random, cloud.size())); };
     const Vector3d a = draw(), b = draw(), c = draw();
-    const Plane plane = planeThrough(a, b, c);
-    if (plane.normal_C.isZero()) continue;
-    const std::size_t count = countWithin(plane, cloud, distance_m);
-    if (count <= most) continue;
-    most = count;
-    best = plane;
+    plane = planeThrough(a, b, c);
   }
-  return best;
+  std::vector<std::size_t> counts(kTrials, 0);
+  parallelFor(kTrials / kStretch, threads, [&](std::size_t stretch) {
+    stop.check();
+    for (std::size_t i = stretch * kStretch; i < (stretch + 1) * kStretch; ++i) {
+      if (!planes[i].normal_C.isZero()) counts[i] = countWithin(planes[i], cloud, distance_m);
+    }
+  });
+  return planes[static_cast<std::size_t>(std::ranges::max_element(counts) - counts.begin())];
 }
 
 // The least squares plane through the points near the given one.
@@ -74,11 +77,11 @@ Plane refined(const Plane& plane, const PointCloud& cloud, double distance_m) {
 }  // namespace
 
 Plane dominantPlane(const PointCloud& cloud_C, const std::vector<std::uint32_t>& among, double distance_m,
-                    std::mt19937_64& random, const StopToken& stop) {
+                    std::mt19937_64& random, int threads, const StopToken& stop) {
   assert(among.size() >= 3);
   constexpr std::size_t kCounted = 2000;
   constexpr int kRefinements = 5;
-  Plane plane = bestOfSamples(select(cloud_C, thinned(among, kCounted)), distance_m, random, stop);
+  Plane plane = bestOfSamples(select(cloud_C, thinned(among, kCounted)), distance_m, random, threads, stop);
   const PointCloud all = select(cloud_C, among);
   for (int i = 0; i < kRefinements; ++i) plane = refined(plane, all, distance_m);
   return plane;

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "boxgrasp/base/error.h"
+#include "boxgrasp/base/parallel.h"
 #include "boxgrasp/cloud/clusters.h"
 #include "boxgrasp/cloud/plane_fit.h"
 #include "boxgrasp/geometry/polygon.h"
@@ -24,6 +25,7 @@ void SceneOptions::validate() const {
   requireOption(cluster_distance_m >= 1e-4 && cluster_distance_m <= 1.0, "cluster_distance_m",
                 cluster_distance_m, "in [0.0001, 1]");
   requireOption(max_object_extent_m > 0.0, "max_object_extent_m", max_object_extent_m, "above 0");
+  requireOption(threads >= 0, "threads", threads, "at least 0");
 }
 
 namespace {
@@ -117,20 +119,25 @@ Indices allIndices(std::size_t n) {
   return all;
 }
 
-// Clusters of the points, the largest first. They are found among voxels, so that the time depends on the
-// surface and not on the density.
+// Clusters of the points, which ascend as those of each cluster do; the largest first. They are found among
+// voxels, so that the time depends on the surface and not on the density.
 std::vector<Indices> Taker::clustersOf(const Indices& points) const {
   if (points.empty()) return {};
   const PointCloud some = select(cloud_C_, points);
   const Voxels voxels = sortIntoVoxels(some, options_.cluster_distance_m / 4.0);
-  std::vector<Indices> clusters;
-  for (const Indices& group : euclideanClusters(meansOf(some, voxels), options_.cluster_distance_m, stop_)) {
-    Indices& cluster = clusters.emplace_back();
-    for (const std::uint32_t voxel : group) {
-      for (const std::uint32_t i : voxels.points(voxel)) cluster.push_back(points[i]);
+  const std::vector<Indices> groups =
+      euclideanClusters(meansOf(some, voxels, options_.threads), options_.cluster_distance_m, stop_);
+  Indices cluster_of(points.size());
+  std::vector<Indices> clusters(groups.size());
+  for (std::uint32_t k = 0; k < groups.size(); ++k) {
+    std::size_t size = 0;
+    for (const std::uint32_t voxel : groups[k]) {
+      for (const std::uint32_t i : voxels.points(voxel)) cluster_of[i] = k;
+      size += voxels.points(voxel).size();
     }
-    std::sort(cluster.begin(), cluster.end());
+    clusters[k].reserve(size);
   }
+  for (std::size_t i = 0; i < points.size(); ++i) clusters[cluster_of[i]].push_back(points[i]);
   std::ranges::stable_sort(clusters, std::ranges::greater{}, &Indices::size);
   return clusters;
 }
@@ -217,7 +224,13 @@ Table Taker::tableOn(const Patch& patch, const std::optional<Vector3d>& viewpoin
     return Table{turned, standingOn(turned)};
   };
   if (viewpoint_C) return withNormal(facing(patch.plane, *viewpoint_C));
-  Table up = withNormal(patch.plane), down = withNormal({-patch.plane.normal_C, -patch.plane.offset_m});
+  Table up, down;
+  parallelFor(2, options_.threads, [&](std::size_t i) {
+    if (i == 0)
+      up = withNormal(patch.plane);
+    else
+      down = withNormal({-patch.plane.normal_C, -patch.plane.offset_m});
+  });
   return up.standing.object_points >= down.standing.object_points ? up : down;
 }
 
@@ -232,12 +245,13 @@ std::size_t countPoints(const Voxels& voxels, const Indices& some) {
 std::optional<Table> Taker::findTable(const std::optional<Vector3d>& viewpoint_C) const {
   constexpr int kPlanes = 4;
   const Voxels voxels = sortIntoVoxels(cloud_C_, options_.cluster_distance_m / 4.0);
-  const PointCloud coarse = meansOf(cloud_C_, voxels);
+  const PointCloud coarse = meansOf(cloud_C_, voxels, options_.threads);
   std::mt19937_64 random(options_.seed);
   Indices remaining = allIndices(coarse.size());
   std::optional<Table> bare;
   for (int attempt = 0; attempt < kPlanes && remaining.size() >= 3; ++attempt) {
-    const Plane plane = dominantPlane(coarse, remaining, options_.plane_distance_m, random, stop_);
+    const Plane plane =
+        dominantPlane(coarse, remaining, options_.plane_distance_m, random, options_.threads, stop_);
     const auto rest = std::stable_partition(remaining.begin(), remaining.end(), [&](std::uint32_t i) {
       return std::abs(heightAbove(plane, coarse.point(i))) <= options_.plane_distance_m;
     });

@@ -30,6 +30,7 @@ struct SceneOptions {
   double max_object_extent_m = 0.60;
   // Of the random sampling that finds the plane.
   std::uint64_t seed = 1;
+  int threads = 1;  // 0 = all cores; the result does not depend on it
   void validate() const;
 };
 

@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "boxgrasp/base/parallel.h"
 #include "boxgrasp/base/simd.h"
 
 namespace boxgrasp {
@@ -112,11 +113,27 @@ Vector3d meanOf(const PointCloud& cloud, std::span<const std::uint32_t> points) 
   return sum / (kUnits * static_cast<double>(points.size()));
 }
 
-PointCloud meansOf(const PointCloud& cloud, const Voxels& voxels) {
+PointCloud meansOf(const PointCloud& cloud, const Voxels& voxels, int threads) {
+  constexpr std::size_t kStretch = 1024;
   PointCloud means;
-  means.reserve(voxels.size());
-  for (std::size_t i = 0; i < voxels.size(); ++i) means.push(meanOf(cloud, voxels.points(i)));
+  means.resize(voxels.size());
+  parallelFor((voxels.size() + kStretch - 1) / kStretch, threads, [&](std::size_t stretch) {
+    const std::size_t end = std::min(voxels.size(), (stretch + 1) * kStretch);
+    for (std::size_t i = stretch * kStretch; i < end; ++i) {
+      const Eigen::Vector3f mean = meanOf(cloud, voxels.points(i)).cast<float>();
+      means.x[i] = mean.x();
+      means.y[i] = mean.y();
+      means.z[i] = mean.z();
+    }
+  });
   return means;
+}
+
+NeighbourSweep::NeighbourSweep(const Voxels& voxels, std::size_t first) : voxels_(voxels) {
+  if (first == 0) return;
+  for (int row = 0; row < 9; ++row)
+    row_[row] = static_cast<std::size_t>(std::ranges::lower_bound(voxels.keys, middleOf(row, first) - 1) -
+                                         voxels.keys.begin());
 }
 
 }  // namespace boxgrasp

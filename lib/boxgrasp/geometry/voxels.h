@@ -32,20 +32,26 @@ Voxels sortIntoVoxels(const PointCloud& cloud, double edge_m);
 Vector3d meanOf(const PointCloud& cloud, std::span<const std::uint32_t> points);
 
 // The mean of each voxel's points.
-PointCloud meansOf(const PointCloud& cloud, const Voxels& voxels);
+PointCloud meansOf(const PointCloud& cloud, const Voxels& voxels, int threads = 1);
 
 // Walks over the voxels in ascending order and finds the occupied ones among the 27 around each: nine rows
 // whose places only ever move forward.
 class NeighbourSweep {
  public:
-  explicit NeighbourSweep(const Voxels& voxels) : voxels_(voxels) {}
+  // Begins at the voxel `first`.
+  explicit NeighbourSweep(const Voxels& voxels, std::size_t first = 0);
 
   // Calls visit(first, last) for each row of occupied voxels [first, last) around this one; itself is among
-  // them. Pre: voxels are given in ascending order.
+  // them. Pre: voxels are given in ascending order, none below the one to begin at.
   template <typename Visit>
   void around(std::size_t voxel, Visit&& visit);
 
  private:
+  // The key in the middle of a row around the voxel.
+  std::int64_t middleOf(int row, std::size_t voxel) const {
+    return voxels_.keys[voxel] + (row / 3 - 1) * voxels_.stride_z + (row % 3 - 1) * voxels_.stride_y;
+  }
+
   const Voxels& voxels_;
   std::array<std::size_t, 9> row_{};
 };
@@ -54,8 +60,7 @@ template <typename Visit>
 void NeighbourSweep::around(std::size_t voxel, Visit&& visit) {
   const auto& keys = voxels_.keys;
   for (int row = 0; row < 9; ++row) {
-    const std::int64_t middle =
-        keys[voxel] + (row / 3 - 1) * voxels_.stride_z + (row % 3 - 1) * voxels_.stride_y;
+    const std::int64_t middle = middleOf(row, voxel);
     std::size_t& first = row_[row];
     while (first < keys.size() && keys[first] < middle - 1) ++first;
     std::size_t last = first;

@@ -18,10 +18,12 @@ constexpr double kTableReach_m =
     0.20;  // the table is filled in this far around an object: an open hand's span
 constexpr double kTableSpacing_m = 0.005;
 
-PlannerOptions withFriction(PlannerOptions options, double friction) {
+// What all stages share.
+PlannerOptions shared(PlannerOptions options, double friction) {
   requireOption(friction > 0 && friction <= 3, "friction", friction, "in (0, 3]");
   options.triplets.friction = friction;
   options.configurations.friction = friction;
+  options.scene.threads = options.clean.threads = options.decomposition.threads = options.threads;
   return options;
 }
 
@@ -76,7 +78,7 @@ class HypothesisSearch {
         trace_(trace),
         result_(result),
         tally_(tally),
-        options_(withFriction(options, request_.friction)),
+        options_(shared(options, request_.friction)),
         robot_(options.robot, request_.robot) {}
 
   void run() {

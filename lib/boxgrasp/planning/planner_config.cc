@@ -34,14 +34,14 @@ void read(Section section, ValidationOptions& options) {
 
 void read(Section section, SceneOptions& options) {
   auto& [whole, plane_distance_m, min_plane_fraction, min_plane_extent_m, cluster_distance_m,
-         min_cluster_points, max_object_extent_m, seed] = options;
+         min_cluster_points, max_object_extent_m, seed, threads] = options;  // threads: the plan's, as below
   section("whole", whole)("plane_distance_m", plane_distance_m)("min_plane_fraction", min_plane_fraction);
   section("min_plane_extent_m", min_plane_extent_m)("cluster_distance_m", cluster_distance_m);
   section("min_cluster_points", min_cluster_points)("max_object_extent_m", max_object_extent_m)("seed", seed);
 }
 
 void read(Section section, CleanOptions& options) {
-  auto& [voxel_m, outlier_neighbours, outlier_deviations, max_points] = options;
+  auto& [voxel_m, outlier_neighbours, outlier_deviations, max_points, threads] = options;
   section("voxel_m", voxel_m)("outlier_neighbours", outlier_neighbours);
   section("outlier_deviations", outlier_deviations)("max_points", max_points);
 }
@@ -64,7 +64,7 @@ void read(Section section, DecompositionOptions& options) {
   section("merge_angle_rad", merge_angle_rad)("bound_step_m", bound_step_m);
   section("min_point_fraction", min_point_fraction)("min_points", min_points)("min_extent_m", min_extent_m);
   section("jurors", jurors)("resolution_fraction", resolution_fraction);
-  section("max_leaves", max_leaves)("exhaustive", exhaustive)("threads", threads);
+  section("max_leaves", max_leaves)("exhaustive", exhaustive);
 }
 
 void read(Section section, FaceOptions& options) {

@@ -238,6 +238,23 @@ TEST(CleanOptions, BadValuesAreNamed) {
   EXPECT_THROW(options.validate(), InputError);
 }
 
+TEST(Clean, IsTheSameOnAnyNumberOfThreads) {
+  std::mt19937_64 random(8);
+  PointCloud cloud = shell(20'000, random);
+  cloud.push({0.3, 0.3, 0.3});
+  CleanOptions options;
+  const CleanCloud one = clean(cloud, options);
+  options.threads = 3;
+  const CleanCloud three = clean(cloud, options);
+  ASSERT_GT(one.merged, 0u);
+  EXPECT_TRUE(one.cloud_C.x == three.cloud_C.x && one.cloud_C.y == three.cloud_C.y &&
+              one.cloud_C.z == three.cloud_C.z);
+  EXPECT_EQ(one.merged, three.merged);
+  EXPECT_EQ(one.duplicates, three.duplicates);
+  EXPECT_EQ(one.outliers, three.outliers);
+  EXPECT_EQ(one.spacing_m, three.spacing_m);
+}
+
 // ---- the helpers against brute force
 
 TEST(NeighbourDistances, AgreeWithBruteForce) {
@@ -246,7 +263,10 @@ TEST(NeighbourDistances, AgreeWithBruteForce) {
   cloud.push({3, 0, 0});
   for (const int k : {1, 2, 8, 40}) {
     for (const double radius_m : {0.0003, 0.01, 10.0}) {
-      const NeighbourDistances distances = neighbourDistances(cloud, k, radius_m, {});
+      const NeighbourDistances distances = neighbourDistances(cloud, k, radius_m, 1, {});
+      const NeighbourDistances on_three = neighbourDistances(cloud, k, radius_m, 3, {});
+      EXPECT_TRUE(on_three.mean == distances.mean && on_three.nearest == distances.nearest)
+          << "the result must not depend on the number of threads; k " << k << ", radius " << radius_m;
       for (std::size_t i = 0; i < cloud.size(); ++i) {
         std::vector<double> all;
         for (std::size_t j = 0; j < cloud.size(); ++j)
@@ -278,10 +298,14 @@ TEST(NeighbourSweep, FindsExactlyTheVoxelsAroundEach) {
       for (std::size_t other = 0; other < voxels.size(); ++other) {
         if ((cell(other) - cell(v)).cwiseAbs().maxCoeff() <= 1.0) expected.insert(other);
       }
-      sweep.around(v, [&](std::size_t first, std::size_t last) {
+      const auto collect = [&](std::size_t first, std::size_t last) {
         for (; first < last; ++first) found.insert(first);
-      });
+      };
+      sweep.around(v, collect);
       EXPECT_EQ(found, expected) << "voxel " << v << " of a cloud of size " << size.transpose();
+      found.clear();
+      NeighbourSweep(voxels, v).around(v, collect);
+      EXPECT_EQ(found, expected) << "begun at voxel " << v << " of a cloud of size " << size.transpose();
     }
   }
 }

@@ -113,6 +113,18 @@ TEST(TakeApart, FindsTheTableAndEveryBoxInAnyPose) {
   }
 }
 
+TEST(TakeApart, IsTheSameOnAnyNumberOfThreads) {
+  std::mt19937_64 random(12);
+  const Labelled made = tableWithBoxes(random);
+  SceneOptions on_three;
+  on_three.threads = 3;
+  const Scene one = takeApart(made.cloud), three = takeApart(made.cloud, on_three);
+  ASSERT_TRUE(one.table && three.table);
+  EXPECT_EQ(one.table->normal_C, three.table->normal_C);
+  EXPECT_EQ(one.table->offset_m, three.table->offset_m);
+  EXPECT_EQ(one.objects, three.objects);
+}
+
 TEST(TakeApart, TheOrderOfThePointsDoesNotMatter) {
   std::mt19937_64 random(2);
   const Labelled made = tableWithBoxes(random);
