@@ -665,16 +665,18 @@ std::string Report::failures() const {
 std::string Report::ablation() const {
   std::string rows;
   for (const ReportedStep* step : good("ablation")) {
-    const ReportedStep* base = find("ablation_default_" + step->subject);
+    const std::string seen = step->output.value("seen", "");
+    const ReportedStep* base = find("ablation_default_" + seen);
     const double change = base ? 100 * (shareAt(*step, "first") - shareAt(*base, "first")) : NAN;
     const std::string what = step->name.substr(std::string("ablation_").size());
-    rows += row({cell(escaped(what)), cell(escaped(step->subject)), numberCell(shareText(*step, "first")),
+    rows += row({cell(escaped(what)), cell(escaped(step->subject)), cell(escaped(seen)),
+                 numberCell(shareText(*step, "first")),
                  numberCell(std::isfinite(change) ? fmt::format("{:+.1f}", change) : "&ndash;"),
                  valueCell(*step, "/all/first/held", 0), valueCell(*step, "/all/first/of", 0),
                  numberCell(shareText(*step, "any_of_five"))});
   }
-  return table({"configuration", "seen", "#top-1 held, % (95 % range)", "#points", "#held", "#of",
-                "#any of five, %"},
+  return table({"configuration", "what it is", "seen", "#top-1 held, % (95 % range)", "#points", "#held",
+                "#of", "#any of five, %"},
                rows) +
          paragraph(
              "One change of the configuration each (ablation_*.toml beside this report), lift and shake, one "

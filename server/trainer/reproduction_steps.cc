@@ -145,15 +145,16 @@ void Plan::addScanned() {
 }
 
 void Plan::addAblations() {
-  const auto addOne = [&](const std::string& name, const char* seen, const Words& more) {
+  const auto addOne = [&](const std::string& name, const std::string& meaning, const char* seen,
+                          const Words& more) {
     Words arguments{"rates", "--objects", set_, "--seen", seen, "--views", "1", "--answers-only", "--json"};
     arguments.insert(arguments.end(), more.begin(), more.end());
-    add({name, "ablation", seen, arguments, 1.5 * objects(), "", false});
+    add({name, "ablation", meaning, arguments, 1.5 * objects(), "", false});
   };
-  addOne("ablation_default_whole", "whole", {});
-  addOne("ablation_default_view", "view", {});
+  for (const char* seen : {"whole", "view"})
+    addOne(fmt::format("ablation_default_{}", seen), "as shipped", seen, {});
   for (const Ablation& ablation : ablations())
-    addOne("ablation_" + ablation.name, ablation.of_views ? "view" : "whole",
+    addOne("ablation_" + ablation.name, ablation.meaning, ablation.of_views ? "view" : "whole",
            {"--config", fmt::format("ablation_{}.toml", ablation.name)});
 }
 

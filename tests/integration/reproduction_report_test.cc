@@ -10,6 +10,7 @@ namespace boxgrasp {
 namespace {
 
 using nlohmann::json;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -39,7 +40,11 @@ json ratesOf(int held, int of) {
   for (const char* column : {"first", "any_of_five"}) all[column] = endings(held, of);
   json mug = all;
   mug["object"] = "mug";
-  return {{"protocol", "lift_shake"}, {"all", all}, {"objects", {mug}}, {"first_by_seed", {0.5, 0.7}}};
+  return {{"protocol", "lift_shake"},
+          {"seen", "whole"},
+          {"all", all},
+          {"objects", {mug}},
+          {"first_by_seed", {0.5, 0.7}}};
 }
 
 std::string reportOf(const std::vector<ReportedStep>& steps, bool quick = false) {
@@ -89,6 +94,15 @@ TEST(ReproductionReport, JudgesGoalsByTheSharesHeld) {
   EXPECT_THAT(pageWith(16), Not(HasSubstr("<span class=\"met\">")));
   EXPECT_THAT(pageWith(16), HasSubstr("5.0 points short"));
   EXPECT_THAT(pageWith(16), HasSubstr("data-from=\"rates_whole_lift_shake#/all/first/held\""));
+}
+
+TEST(ReproductionReport, SetsEachChangeBesideTheDefault) {
+  ReportedStep changed = stepOf("ablation_coarse", "ablation", ratesOf(8, 20));
+  changed.subject = "coarser <boxes>";
+  const std::string page = reportOf({stepOf("ablation_default_whole", "ablation", ratesOf(15, 20)), changed});
+  EXPECT_THAT(page,
+              AllOf(HasSubstr("coarse</td><td>coarser &lt;boxes&gt;</td><td>whole</td>"), HasSubstr("-35.0")))
+      << "what was changed, and 8 of 20 less 15 of 20";
 }
 
 TEST(ReproductionReport, NamesWhatFailedAndEscapesIt) {

@@ -229,7 +229,7 @@ TEST(Rates, CountPlansOfEachSightAndSeedAndSayHowTheyEnded) {
 
 TEST(Rates, PlanAsTheConfigurationSays) {
   const TemporaryFolder folder;
-  std::ofstream(folder / "edges.toml") << "[faces]\nedges = true\n[planner]\nthreads = 0\n";
+  std::ofstream(folder / "edges.toml") << "[faces]\nedges = \"always\"\n[planner]\nthreads = 0\n";
   smallBlock(folder);
   const auto ratesWith = [&](const std::vector<std::string>& more) {
     std::vector<std::string> arguments{"rates", "--objects", folder / "", "--answers-only", "--json"};
