@@ -15,21 +15,24 @@ int splatRadius(const FaceImage& image, const ContourOptions& options) {
   return static_cast<int>(std::clamp(radius, 1.0, static_cast<double>(kMaxRadius_px)));
 }
 
-cv::Mat square(int radius) { return cv::Mat::ones(2 * radius + 1, 2 * radius + 1, CV_8U); }
+cv::Mat square(int radius) { return {2 * radius + 1, 2 * radius + 1, CV_8U, cv::Scalar(1)}; }
 
 // 255 where at least min_neighbours other pixels within the radius are occupied.
 cv::Mat inCompany(const cv::Mat& gray, int radius, int min_neighbours) {
-  const cv::Mat occupied = (gray > 0) / 255;
-  cv::Mat around;
+  constexpr double kTrue = 255.0;  // in OpenCV's masks
+  cv::Mat occupied, around, enough;
+  cv::compare(gray, 0, occupied, cv::CMP_GT);
   const int side = 2 * radius + 1;
   cv::boxFilter(occupied, around, CV_32S, {side, side}, {-1, -1}, false, cv::BORDER_CONSTANT);
-  return (around > min_neighbours) & (gray > 0);
+  cv::compare(around, kTrue * min_neighbours, enough, cv::CMP_GT);
+  cv::bitwise_and(occupied, enough, enough);
+  return enough;
 }
 
 // Expands the kept pixels by the radius, the largest value first, and takes all but one pixel back. The image
 // is enlarged meanwhile, so that its edge takes no part.
 cv::Mat expanded(const cv::Mat& values, const cv::Mat& kept, int radius) {
-  cv::Mat result = cv::Mat::zeros(values.size(), CV_8U);
+  cv::Mat result(values.size(), CV_8U, cv::Scalar(0));
   values.copyTo(result, kept);
   cv::copyMakeBorder(result, result, radius, radius, radius, radius, cv::BORDER_CONSTANT);
   cv::dilate(result, result, square(radius));

@@ -80,7 +80,8 @@ class HalfLevel {
 
 cv::Mat smoothedCoverage(const cv::Mat& gray, double sigma_px) {
   cv::Mat occupied;
-  cv::Mat(gray > 0).convertTo(occupied, CV_32F, 1.0 / 255.0);
+  cv::compare(gray, 0, occupied, cv::CMP_GT);
+  occupied.convertTo(occupied, CV_32F, 1.0 / 255.0);
   return smoothed(occupied, sigma_px);
 }
 
