@@ -24,8 +24,9 @@ constexpr double kLeastShare = 0.03;     // of a part's points on each side of a
 constexpr std::size_t kLeastPoints = 4;  // on each side: fewer have no volume
 constexpr std::size_t kMostSplits = 5;   // a jury agrees on no more: noise decides on smaller parts
 constexpr double kScales = 0.1;          // jurors' resolutions differ by this share up and down
-constexpr double kBelow = 0.4,
-                 kAbove = 0.5;       // how far from t a split may be decided, in units of 1 - t
+// How far from t a split may be decided, in units of 1 - t. The wider, the wider the widest gap and the
+// steadier the tree; wider still, and many things are one box.
+constexpr double kBelow = 0.6, kAbove = 0.8;
 constexpr double kAgreement = 0.05;  // jurors' D agree when they differ by about
                                      // this, in units of the cloud's size
 

@@ -43,7 +43,7 @@ struct Verdict {
 };
 
 // A split is worth its box where it leaves less than a share of the volume that lies near t: in the widest
-// gap between the ratios that the median juror finds, from 0.4 (1 - t) below t to 0.5 (1 - t) above it, so
+// gap between the ratios that the median juror finds, from 0.6 (1 - t) below t to 0.8 (1 - t) above it, so
 // that small errors in the ratios do not change the number of splits. Of the trees with that many splits the
 // verdict is that of the juror with whose D most others agree.
 Verdict verdictOf(const std::vector<Juror>& jury, const DecompositionOptions& options);
