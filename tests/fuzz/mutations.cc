@@ -1,7 +1,7 @@
-// Feeds a target mutations of its seeds, always the same ones, for compilers without libFuzzer: it does not
+// Feeds a target mutations of its seeds, the same ones for the same -seed, for compilers without libFuzzer: it does not
 // learn from what it reaches, but neither does it need anything. Knows libFuzzer's options that
-// tests/fuzz/run gives: -runs=N, -max_total_time=SECONDS, -max_len=BYTES, -rss_limit_mb=MB; others are
-// ignored; folders hold more seeds.
+// tests/fuzz/run gives: -runs=N, -max_total_time=SECONDS, -max_len=BYTES, -rss_limit_mb=MB, -seed=N;
+// others are ignored; folders hold more seeds.
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ using Input = std::vector<std::uint8_t>;
 using Clock = std::chrono::steady_clock;
 
 struct Options {
-  std::uint64_t runs = 10'000, max_total_time = 3600, max_len = 1 << 16, rss_limit_mb = 2048;
+  std::uint64_t runs = 10'000, max_total_time = 3600, max_len = 1 << 16, rss_limit_mb = 2048, seed = 1;
 };
 
 void readOption(std::string_view argument, Options& options) {
@@ -32,6 +32,7 @@ void readOption(std::string_view argument, Options& options) {
   is("-max_total_time=", options.max_total_time);
   is("-max_len=", options.max_len);
   is("-rss_limit_mb=", options.rss_limit_mb);
+  is("-seed=", options.seed);
 }
 
 std::vector<Input> corpus(int argc, char** argv) {
@@ -126,7 +127,7 @@ void limitMemory([[maybe_unused]] std::uint64_t megabytes) {
 
 std::uint64_t run(const Options& options, const std::vector<Input>& inputs) {
   const auto end = Clock::now() + std::chrono::seconds(options.max_total_time);
-  std::mt19937_64 random(1);
+  std::mt19937_64 random(options.seed);
   std::uint64_t runs = 0;
   for (; runs < options.runs && Clock::now() < end; ++runs) {
     last = inputs[runs % inputs.size()];

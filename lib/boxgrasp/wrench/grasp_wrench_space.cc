@@ -1,5 +1,6 @@
 #include "boxgrasp/wrench/grasp_wrench_space.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -7,6 +8,7 @@
 #include "boxgrasp/base/tolerances.h"
 #include "boxgrasp/wrench/hull.h"
 #include "boxgrasp/wrench/positive_span.h"
+#include "boxgrasp/wrench/three_cone_hull.h"
 
 namespace boxgrasp {
 namespace {
@@ -38,13 +40,39 @@ void requireContact(std::size_t index, const Contact& contact) {
   }
 }
 
-std::vector<std::vector<Wrench>> edgesOf(const std::vector<Contact>& contacts, const WrenchOptions& options) {
+ForceCone coneOf(const Contact& contact, const WrenchOptions& options) {
+  const Vector3d& n = contact.normal_C;
+  const Vector3d tx = n.cross(std::abs(n.x()) > kAlongX ? Vector3d::UnitZ() : Vector3d::UnitX()).normalized();
+  const Vector3d ty = n.cross(tx).normalized();
+  const double friction = frictionOf(contact, options);
+  ForceCone cone{(contact.p_C - options.p_CG) / options.torque_scale_m, n, {}};
+  cone.edges.resize(friction > 0.0 ? options.cone_edges : 1);
+  for (std::size_t j = 0; j < cone.edges.size(); ++j) {
+    const double angle = 2.0 * std::numbers::pi * static_cast<double>(j) / options.cone_edges;
+    cone.edges[j] = n + friction * (std::cos(angle) * tx + std::sin(angle) * ty);
+  }
+  return cone;
+}
+
+std::vector<Wrench> edgeWrenches(const ForceCone& cone) {
+  std::vector<Wrench> result(cone.edges.size());
+  for (std::size_t j = 0; j < result.size(); ++j) result[j] << cone.edges[j], cone.arm.cross(cone.edges[j]);
+  return result;
+}
+
+std::vector<ForceCone> conesOf(const std::vector<Contact>& contacts, const WrenchOptions& options) {
   options.validate();
-  std::vector<std::vector<Wrench>> result;
+  std::vector<ForceCone> result;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     requireContact(i, contacts[i]);
-    result.push_back(edgeWrenches(contacts[i], options));
+    result.push_back(coneOf(contacts[i], options));
   }
+  return result;
+}
+
+std::vector<std::vector<Wrench>> edgesOf(const std::vector<ForceCone>& cones) {
+  std::vector<std::vector<Wrench>> result;
+  for (const ForceCone& cone : cones) result.push_back(edgeWrenches(cone));
   return result;
 }
 
@@ -78,6 +106,15 @@ std::vector<Wrench> sumOf(const std::vector<std::vector<Wrench>>& edges) {
   return result;
 }
 
+WrenchHull unionHull(const std::vector<ForceCone>& cones, const std::vector<Wrench>& points) {
+  const bool three = cones.size() == 3 &&
+                     std::ranges::all_of(cones, [](const ForceCone& cone) { return cone.edges.size() > 1; });
+  if (three) {
+    if (const auto hull = threeConeHull({cones[0], cones[1], cones[2]})) return *hull;
+  }
+  return wrenchHull(points);
+}
+
 double largest(const std::vector<Wrench>& wrenches) {
   double result = 0.0;
   for (const Wrench& wrench : wrenches) result = std::max(result, wrench.norm());
@@ -96,29 +133,20 @@ void WrenchOptions::validate() const {
 }
 
 std::vector<Wrench> edgeWrenches(const Contact& contact, const WrenchOptions& options) {
-  const Vector3d& n = contact.normal_C;
-  const Vector3d tx = n.cross(std::abs(n.x()) > kAlongX ? Vector3d::UnitZ() : Vector3d::UnitX()).normalized();
-  const Vector3d ty = n.cross(tx).normalized();
-  const double friction = frictionOf(contact, options);
-  std::vector<Wrench> result(friction > 0.0 ? options.cone_edges : 1);
-  for (std::size_t j = 0; j < result.size(); ++j) {
-    const double angle = 2.0 * std::numbers::pi * static_cast<double>(j) / options.cone_edges;
-    const Vector3d force = n + friction * (std::cos(angle) * tx + std::sin(angle) * ty);
-    result[j] << force, (contact.p_C - options.p_CG).cross(force) / options.torque_scale_m;
-  }
-  return result;
+  return edgeWrenches(coneOf(contact, options));
 }
 
 GraspQuality graspQuality(const std::vector<Contact>& contacts, const WrenchOptions& options) {
-  const auto edges = edgesOf(contacts, options);
+  const std::vector<ForceCone> cones = conesOf(contacts, options);
+  const auto edges = edgesOf(cones);
   const std::vector<Wrench> points = options.norm == WrenchNorm::l1 ? unionOf(edges) : sumOf(edges);
-  const WrenchHull hull = wrenchHull(points);
+  const WrenchHull hull = options.norm == WrenchNorm::l1 ? unionHull(cones, points) : wrenchHull(points);
   const bool closed = hull.inradius > tolerance::kWrenchMargin * largest(points);
   return {closed ? hull.inradius : -1.0, hull.volume, closed};
 }
 
 bool forceClosure(const std::vector<Contact>& contacts, const WrenchOptions& options) {
-  return positivelySpan(unionOf(edgesOf(contacts, options)));
+  return positivelySpan(unionOf(edgesOf(conesOf(contacts, options))));
 }
 
 }  // namespace boxgrasp
