@@ -7,8 +7,25 @@
 
 #include "boxgrasp/base/parallel.h"
 #include "boxgrasp/base/random.h"
+#include "boxgrasp/base/simd.h"
 
 namespace boxgrasp {
+
+namespace plane_passes {
+
+// How many of n points are within a distance of the plane normal . p = offset.
+BOXGRASP_SIMD std::uint32_t countWithin(const float* x, const float* y, const float* z, std::size_t n,
+                                        const double* normal, double offset, double distance) {
+  std::uint32_t count = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double height = normal[0] * x[i] + (normal[1] * y[i] + normal[2] * z[i]) - offset;
+    count += std::abs(height) <= distance ? 1u : 0u;
+  }
+  return count;
+}
+
+}  // namespace plane_passes
+
 namespace {
 
 // Every n-th index, so that about `most` remain.
@@ -28,11 +45,8 @@ Plane planeThrough(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
 }
 
 std::size_t countWithin(const Plane& plane, const PointCloud& cloud, double distance_m) {
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    count += std::abs(heightAbove(plane, cloud.point(i))) <= distance_m;
-  }
-  return count;
+  return plane_passes::countWithin(cloud.x.data(), cloud.y.data(), cloud.z.data(), cloud.size(),
+                                   plane.normal_C.data(), plane.offset_m, distance_m);
 }
 
 Plane bestOfSamples(const PointCloud& cloud, double distance_m, std::mt19937_64& random, int threads,
