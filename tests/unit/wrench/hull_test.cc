@@ -176,7 +176,9 @@ TEST(ThreeConeHull, IsTheSimplicialHullOfTheSameWrenches) {
     answered += is_closed;
     EXPECT_NEAR(got->volume, expected.volume, 1e-9 * expected.volume) << "set " << round;
     ASSERT_EQ(got->inradius > tolerance::kWrenchMargin, is_closed) << "set " << round;
-    if (is_closed) EXPECT_NEAR(got->inradius, expected.inradius, 1e-9) << "set " << round;
+    if (is_closed) {
+      EXPECT_NEAR(got->inradius, expected.inradius, 1e-9) << "set " << round;
+    }
   }
   ASSERT_GT(closed, 300) << "too few of the random grasps are in force closure to tell anything";
   EXPECT_GE(answered, 0.99 * closed) << "most hulls with the origin inside have facets that are well apart";
