@@ -62,9 +62,10 @@ Rectangle rectangleAroundSegment(const Vector2d& a, const Vector2d& b) {
 }  // namespace
 
 Polygon convexHull(std::vector<Vector2d> points) {
-  std::sort(points.begin(), points.end(), [](const Vector2d& a, const Vector2d& b) {
+  const auto before = [](const Vector2d& a, const Vector2d& b) {
     return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y();
-  });
+  };
+  if (!std::ranges::is_sorted(points, before)) std::ranges::sort(points, before);
   points.erase(std::unique(points.begin(), points.end()), points.end());
   if (points.size() < 3) return points;
   const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * magnitude(points);

@@ -23,13 +23,23 @@ LinkAngles linkAngles(const HandDescription& hand, double joint) {
 
 Vector2d along(double length, double angle) { return {length * std::cos(angle), length * std::sin(angle)}; }
 
-// The derivative of `extension` by the joint angle.
-double extensionRate(const HandDescription& hand, double joint) {
-  if (hand.prismatic()) return -hand.slide_per_rad;
+// The fingertip in the finger's plane, and its derivative by the joint angle.
+struct TipMotion {
+  Vector2d at, rate;
+};
+
+TipMotion tipMotion(const HandDescription& hand, double joint) {
+  if (hand.prismatic()) {
+    return {{hand.tip_radius - hand.slide_per_rad * joint, hand.inner_length + hand.tip_length},
+            {-hand.slide_per_rad, 0.0}};
+  }
   const LinkAngles angles = linkAngles(hand, joint);
-  return -hand.inner_length * std::sin(angles.inner) -
-         angles.outer_rate * hand.tip_length * std::sin(angles.outer);
+  const Vector2d inner = along(hand.inner_length, angles.inner), outer = along(hand.tip_length, angles.outer);
+  return {inner + outer,
+          {-inner.y() - angles.outer_rate * outer.y(), inner.x() + angles.outer_rate * outer.x()}};
 }
+
+double extensionRate(const HandDescription& hand, double joint) { return tipMotion(hand, joint).rate.x(); }
 
 constexpr double kReachRounding = 1e-12;  // metres; an extension at the very end of the reach is in reach
 constexpr int kMaxIterations = 100;       // bisection alone needs 55
@@ -83,12 +93,7 @@ Vector3d FingerPlane::coordinates(const Vector3d& p_P) const {
   return {p.dot(direction_) - radius_, p_P.z() - height_, p.x() * direction_.y() - p.y() * direction_.x()};
 }
 
-Vector2d fingertipInPlane(const HandDescription& hand, double inner) {
-  if (hand.prismatic())
-    return {hand.tip_radius - hand.slide_per_rad * inner, hand.inner_length + hand.tip_length};
-  const LinkAngles angles = linkAngles(hand, inner);
-  return along(hand.inner_length, angles.inner) + along(hand.tip_length, angles.outer);
-}
+Vector2d fingertipInPlane(const HandDescription& hand, double inner) { return tipMotion(hand, inner).at; }
 
 double extension(const HandDescription& hand, double inner) {
   return fingertipInPlane(hand, inner).x() - hand.tip_radius;
@@ -119,10 +124,11 @@ std::optional<double> innerForExtension(const HandDescription& hand, double exte
   // Newton's method, kept inside a bracket: near the end of the monotone range the slope vanishes.
   double low = reach.inner_min, high = reach.inner_max, joint = 0.5 * (low + high);
   for (int i = 0; i < kMaxIterations; ++i) {
-    const double excess = extension(hand, joint) - extension_m;
+    const TipMotion tip = tipMotion(hand, joint);
+    const double excess = tip.at.x() - hand.tip_radius - extension_m;
     if (excess == 0.0) return joint;
     (excess > 0 ? low : high) = joint;
-    const double newton = joint - excess / extensionRate(hand, joint);
+    const double newton = joint - excess / tip.rate.x();
     const double next = newton > low && newton < high ? newton : 0.5 * (low + high);
     if (std::abs(next - joint) < 1e-15) return next;
     joint = next;
