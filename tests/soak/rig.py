@@ -5,6 +5,7 @@ import json
 import os
 import pathlib
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -36,11 +37,18 @@ def remove_route():
 
 
 class Programs:
-    def __init__(self, build):
-        self.server = build / "server/planner/boxgrasp-server"
-        self.trainer = build / "server/trainer/boxgrasp-trainer"
-        self.client = build / "client/boxgrasp"
-        self.clock = build / "tests/soak/libclock_shift.so"
+    """Copies of a build's programs, so that the build may go on meanwhile."""
+
+    def __init__(self, build, folder):
+        copies = folder / "programs"
+        copies.mkdir()
+
+        def copied(name):
+            return pathlib.Path(shutil.copy2(build / name, copies))
+        self.server = copied("server/planner/boxgrasp-server")
+        self.trainer = copied("server/trainer/boxgrasp-trainer")
+        self.client = copied("client/boxgrasp")
+        self.clock = copied("tests/soak/libclock_shift.so")
 
     def run(self, *arguments, timeout=60, **options):
         return subprocess.run([str(word) for word in arguments], capture_output=True, text=True, timeout=timeout, **options)
