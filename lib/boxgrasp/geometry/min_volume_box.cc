@@ -18,7 +18,7 @@ constexpr std::size_t kSeedDirections = 24;  // of the first outermost points, a
 constexpr std::size_t kChecked = 3;          // orientations compared with the whole cloud in a round
 constexpr int kRounds = 12;                  // smooth shapes need the most
 constexpr int kPasses = 2;                   // the first pass can miss what only its own points reveal
-constexpr float kGap = 1e-4f;  // relative to the volume: a smaller possible gain is not worth a round
+constexpr float kGap = 3e-4f;  // relative to the volume: a smaller possible gain is not worth a round
 
 // The box around any of the cloud's points bounds the box around all of them from below. So the search works
 // on a few outermost points, measures its best orientations on the whole cloud, takes in the points that
@@ -27,7 +27,7 @@ constexpr float kGap = 1e-4f;  // relative to the volume: a smaller possible gai
 class OrientationHunt {
  public:
   explicit OrientationHunt(const PointCloud& cloud_C)
-      : cloud_C_(cloud_C), X_CK_(canonicalFrame(cloud_C)), axes_C_(X_CK_.linear()) {
+      : supports_C_(cloud_C), X_CK_(canonicalFrame(cloud_C)), axes_C_(X_CK_.linear()) {
     whole_ = cloud_C.size() <= kFewPoints;
     takeIn(whole_ ? cloud_C : seeds());
   }
@@ -53,7 +53,7 @@ class OrientationHunt {
     for (std::size_t i = 0; i + 2 < directions_K.size(); i += 3) {
       Matrix3d three_K;
       three_K << directions_K[i], directions_K[i + 1], directions_K[i + 2];
-      appendSupportPoints(cloud_C_, X_CK_.translation(), X_CK_.linear() * three_K, found);
+      supports_C_.append(X_CK_.translation(), X_CK_.linear() * three_K, found);
     }
     return found;
   }
@@ -70,7 +70,7 @@ class OrientationHunt {
       const auto rotation = orientations[i].rotation.cast<double>().normalized();
       const Matrix3d axes_C = X_CK_.linear() * rotation.toRotationMatrix();
       PointCloud touched;
-      appendSupportPoints(cloud_C_, X_CK_.translation(), axes_C, touched);
+      supports_C_.append(X_CK_.translation(), axes_C, touched);
       const double volume = boxAround(touched, axes_C).volume();
       if (volume < volume_) {
         volume_ = volume;
@@ -94,7 +94,7 @@ class OrientationHunt {
     return few_K_.size() > before;
   }
 
-  const PointCloud& cloud_C_;
+  SupportPoints supports_C_;
   Pose X_CK_;
   PointCloud few_K_;
   bool whole_;       // few_K_ is the whole cloud

@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
 
@@ -64,6 +65,22 @@ BOXGRASP_SIMD void boxVolumes(const float* px, const float* py, const float* pz,
   }
 }
 
+// Each rotation r becomes r * (1, x, y, z) as a unit quaternion: a turn about its own axes.
+BOXGRASP_SIMD void turn(const Rotations& q, const float* x, const float* y, const float* z,
+                        Rotations& turned) {
+  for (std::size_t k = 0; k < kLanes; ++k) {
+    const float w = q.w[k] - (q.x[k] * x[k] + q.y[k] * y[k] + q.z[k] * z[k]);
+    const float a = q.x[k] + (q.w[k] * x[k] + q.y[k] * z[k] - q.z[k] * y[k]);
+    const float b = q.y[k] + (q.w[k] * y[k] + q.z[k] * x[k] - q.x[k] * z[k]);
+    const float c = q.z[k] + (q.w[k] * z[k] + q.x[k] * y[k] - q.y[k] * x[k]);
+    const float scale = 1.0f / std::sqrt(w * w + a * a + b * b + c * c);
+    turned.w[k] = w * scale;
+    turned.x[k] = a * scale;
+    turned.y[k] = b * scale;
+    turned.z[k] = c * scale;
+  }
+}
+
 }  // namespace orientation_batch
 
 namespace {
@@ -73,8 +90,7 @@ using Eigen::Vector3f;
 using orientation_batch::kLanes;
 using orientation_batch::Rotations;
 
-std::array<float, kLanes> volumes(const PointCloud& points,
-                                  const std::array<Quaternionf, kLanes>& rotations) {
+Rotations batchOf(const std::array<Quaternionf, kLanes>& rotations) {
   Rotations batch;
   for (std::size_t k = 0; k < kLanes; ++k) {
     batch.w[k] = rotations[k].w();
@@ -82,8 +98,12 @@ std::array<float, kLanes> volumes(const PointCloud& points,
     batch.y[k] = rotations[k].y();
     batch.z[k] = rotations[k].z();
   }
+  return batch;
+}
+
+std::array<float, kLanes> volumes(const PointCloud& points, const Rotations& rotations) {
   std::array<float, kLanes> result;
-  orientation_batch::boxVolumes(points.x.data(), points.y.data(), points.z.data(), points.size(), batch,
+  orientation_batch::boxVolumes(points.x.data(), points.y.data(), points.z.data(), points.size(), rotations,
                                 result.data());
   return result;
 }
@@ -92,7 +112,7 @@ std::array<float, kLanes> volumes(const PointCloud& points,
 // (axis times tangent of half the angle) they fill a cube with its corners cut off. The first is the
 // identity.
 std::vector<Quaternionf> orientationLattice() {
-  constexpr int steps = 6;  // from the middle of the cube to its side, 7.5 degrees each
+  constexpr int steps = 4;  // from the middle of the cube to its side, 11 degrees each
   std::vector<Quaternionf> lattice{Quaternionf::Identity()};
   const float side = std::tan(std::numbers::pi_v<float> / 8.0f);
   for (int i = -steps; i <= steps; ++i) {
@@ -120,26 +140,40 @@ std::vector<Vector3f> turnAxes() {
   return axes;
 }
 
-// Whether two boxes of these orientations have nearly the same faces.
-bool alike(const Orientation& a, const Orientation& b, float cosine) {
-  const Eigen::Matrix3f relative = (a.rotation.conjugate() * b.rotation).toRotationMatrix().cwiseAbs();
-  return relative.rowwise().maxCoeff().minCoeff() > cosine;
+// The cosine of half the smallest angle that turns a box of the one orientation into one of the other: of the
+// 24 turns that map a cube on itself the best is known from the sizes of the components.
+float alikeness(const Quaternionf& a, const Quaternionf& b) {
+  const float w = a.w() * b.w() + a.x() * b.x() + a.y() * b.y() + a.z() * b.z();
+  const float x = std::abs(a.w() * b.x() - a.x() * b.w() - a.y() * b.z() + a.z() * b.y());
+  const float y = std::abs(a.w() * b.y() + a.x() * b.z() - a.y() * b.w() - a.z() * b.x());
+  const float z = std::abs(a.w() * b.z() - a.x() * b.y() + a.y() * b.x() - a.z() * b.w());
+  const float high = std::max(std::abs(w), x), low = std::min(std::abs(w), x);
+  const float other_high = std::max(y, z), other_low = std::min(y, z);
+  const float largest = std::max(high, other_high);
+  const float second = std::max(std::min(high, other_high), high > other_high ? low : other_low);
+  constexpr float kHalfDiagonal = 0.5f * std::numbers::sqrt2_v<float>;
+  return std::max({largest, (largest + second) * kHalfDiagonal, 0.5f * (std::abs(w) + x + y + z)});
 }
 
-constexpr float kNeighbours =
-    0.985f;                       // cosine: faces within 10 degrees, a little more than a step of the lattice
-constexpr float kSame = 0.9995f;  // within 2 degrees: two descents that ended in the same place
+constexpr float kNeighbours = 0.9962f;  // 10 degrees, nearly a step of the lattice
+constexpr float kSame = 0.99988f;       // 2 degrees: two descents that ended in the same place
 
 bool smaller(const Orientation& a, const Orientation& b) { return a.volume < b.volume; }
 
-// The first `count` orientations, best first, that are not alike.
-std::vector<Orientation> distinct(std::vector<Orientation> orientations, std::size_t count, float cosine) {
-  std::stable_sort(orientations.begin(), orientations.end(), smaller);
+// The first `count` orientations, best first, that are not alike; of equals the first.
+std::vector<Orientation> distinct(const std::vector<Orientation>& orientations, std::size_t count,
+                                  float alike) {
+  std::vector<std::pair<float, std::size_t>> left;
+  for (std::size_t i = 0; i < orientations.size(); ++i) left.emplace_back(orientations[i].volume, i);
+  std::make_heap(left.begin(), left.end(), std::greater{});
   std::vector<Orientation> kept;
-  for (const Orientation& orientation : orientations) {
-    if (kept.size() == count) break;
-    const auto same = [&](const Orientation& other) { return alike(orientation, other, cosine); };
-    if (std::none_of(kept.begin(), kept.end(), same)) kept.push_back(orientation);
+  for (; !left.empty() && kept.size() < count; left.pop_back()) {
+    std::pop_heap(left.begin(), left.end(), std::greater{});
+    const Orientation& next = orientations[left.back().second];
+    const auto same = [&](const Orientation& other) {
+      return alikeness(next.rotation, other.rotation) > alike;
+    };
+    if (std::none_of(kept.begin(), kept.end(), same)) kept.push_back(next);
   }
   return kept;
 }
@@ -149,7 +183,7 @@ std::vector<Orientation> measured(const PointCloud& points, const std::vector<Qu
   for (std::size_t begin = 0; begin < rotations.size(); begin += kLanes) {
     std::array<Quaternionf, kLanes> batch;
     for (std::size_t k = 0; k < kLanes; ++k) batch[k] = rotations[std::min(begin + k, rotations.size() - 1)];
-    const auto volume = volumes(points, batch);
+    const auto volume = volumes(points, batchOf(batch));
     for (std::size_t k = 0; k < kLanes && begin + k < rotations.size(); ++k)
       result.push_back({batch[k], volume[k]});
   }
@@ -161,30 +195,39 @@ std::vector<Orientation> measured(const PointCloud& points, const std::vector<Qu
 class Descents {
  public:
   Descents(const PointCloud& points, const std::array<Quaternionf, kLanes>& starts, float step)
-      : points_(points), rotation_(starts), volume_(volumes(points, starts)) {
+      : points_(points), rotations_(batchOf(starts)), volume_(volumes(points, rotations_)) {
     step_.fill(step);
     sign_.fill(1.0f);
   }
 
   void advance(int trial) {
     static const std::vector<Vector3f> axes = turnAxes();
-    std::array<Quaternionf, kLanes> next;
+    orientation_batch::Lane x, y, z;
     for (std::size_t k = 0; k < kLanes; ++k) {
       const Vector3f& axis = axes[(static_cast<std::size_t>(trial / 2) + 31 * k) % axes.size()];
-      const Vector3f half = axis * (0.5f * step_[k] * sign_[k]);
-      next[k] = (rotation_[k] * Quaternionf(1.0f, half.x(), half.y(), half.z())).normalized();
+      const float half = 0.5f * step_[k] * sign_[k];
+      x[k] = axis.x() * half;
+      y[k] = axis.y() * half;
+      z[k] = axis.z() * half;
     }
+    Rotations next;
+    orientation_batch::turn(rotations_, x, y, z, next);
     const auto volume = volumes(points_, next);
-    for (std::size_t k = 0; k < kLanes; ++k) settle(k, next[k], volume[k], trial % 2 == 0);
+    for (std::size_t k = 0; k < kLanes; ++k) settle(k, next, volume[k], trial % 2 == 0);
   }
 
-  Orientation at(std::size_t lane) const { return {rotation_[lane], volume_[lane]}; }
+  Orientation at(std::size_t k) const {
+    return {{rotations_.w[k], rotations_.x[k], rotations_.y[k], rotations_.z[k]}, volume_[k]};
+  }
 
  private:
-  void settle(std::size_t k, const Quaternionf& rotation, float volume, bool first_of_pair) {
+  void settle(std::size_t k, const Rotations& next, float volume, bool first_of_pair) {
     const bool better = volume < volume_[k] * (1.0f - 1e-6f);  // by more than rounding
     if (better) {
-      rotation_[k] = rotation;
+      rotations_.w[k] = next.w[k];
+      rotations_.x[k] = next.x[k];
+      rotations_.y[k] = next.y[k];
+      rotations_.z[k] = next.z[k];
       volume_[k] = volume;
       step_[k] *= 1.6f;
     } else if (!first_of_pair) {
@@ -194,7 +237,7 @@ class Descents {
   }
 
   const PointCloud& points_;
-  std::array<Quaternionf, kLanes> rotation_;
+  Rotations rotations_;
   std::array<float, kLanes> volume_, step_, sign_;
 };
 
@@ -243,9 +286,9 @@ Matrix3d smallestBoxAxes(const PointCloud& points, const Vector3d& edge) {
 
 std::vector<Orientation> searchOrientations(const PointCloud& points) {
   static const std::vector<Quaternionf> lattice = orientationLattice();
-  std::vector<Orientation> starts = distinct(measured(points, lattice), 3 * kLanes, kNeighbours);
+  std::vector<Orientation> starts = distinct(measured(points, lattice), kLanes, kNeighbours);
   descend(points, starts, 0.1f, 100);
-  std::vector<Orientation> best = distinct(std::move(starts), kLanes / 2, kSame);
+  std::vector<Orientation> best = distinct(starts, kLanes / 2, kSame);
   descend(points, best, 0.01f, 40);
   std::stable_sort(best.begin(), best.end(), smaller);
   return best;

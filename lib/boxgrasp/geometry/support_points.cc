@@ -1,6 +1,7 @@
 #include "boxgrasp/geometry/support_points.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <limits>
 #include <tuple>
@@ -12,85 +13,96 @@ namespace boxgrasp {
 namespace support_passes {
 
 constexpr std::size_t kLanes = 16;
-constexpr std::size_t kBlock = 1024;  // small, since blocks that hold an outermost point are read again
+constexpr std::size_t kBlock = 256;
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-struct Frame {
+// Values are measured from an origin along a direction.
+struct Axis {
   float origin[3];
-  float axes[3][3];  // one a row
+  float direction[3];
 };
 
-// Lowest and highest value along each axis.
-struct Ranges {
-  float low[3], high[3];
+struct Range {
+  float low = kInfinity, high = -kInfinity;
 };
 
-inline float valueAlong(const Frame& f, int axis, float x, float y, float z) {
-  return f.axes[axis][0] * (x - f.origin[0]) + f.axes[axis][1] * (y - f.origin[1]) +
-         f.axes[axis][2] * (z - f.origin[2]);
+inline float valueAlong(const Axis& axis, float x, float y, float z) {
+  return axis.direction[0] * (x - axis.origin[0]) + axis.direction[1] * (y - axis.origin[1]) +
+         axis.direction[2] * (z - axis.origin[2]);
 }
 
-BOXGRASP_SIMD Ranges rangesOf(const float* px, const float* py, const float* pz, std::size_t n,
-                              const Frame& frame) {
-  const Frame f = frame;
-  float low[3][kLanes], high[3][kLanes];
-  std::fill_n(&low[0][0], 3 * kLanes, std::numeric_limits<float>::infinity());
-  std::fill_n(&high[0][0], 3 * kLanes, -std::numeric_limits<float>::infinity());
-  const auto include = [&](std::size_t k, float x, float y, float z) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const float value = valueAlong(f, axis, x, y, z);
-      low[axis][k] = value < low[axis][k] ? value : low[axis][k];
-      high[axis][k] = value > high[axis][k] ? value : high[axis][k];
-    }
-  };
+BOXGRASP_SIMD Range rangeOf(const float* px, const float* py, const float* pz, std::size_t n,
+                            const Axis& along) {
+  const Axis axis = along;
+  float low[kLanes], high[kLanes];
+  for (std::size_t k = 0; k < kLanes; ++k) low[k] = kInfinity, high[k] = -kInfinity;
   const std::size_t whole = n - n % kLanes;
   for (std::size_t i = 0; i < whole; i += kLanes) {
-    for (std::size_t k = 0; k < kLanes; ++k) include(k, px[i + k], py[i + k], pz[i + k]);
-  }
-  for (std::size_t i = whole; i < n; ++i) include(0, px[i], py[i], pz[i]);
-  for (std::size_t width = kLanes / 2; width > 0; width /= 2) {
-    for (int axis = 0; axis < 3; ++axis) {
-      for (std::size_t k = 0; k < width; ++k) {
-        low[axis][k] = low[axis][k + width] < low[axis][k] ? low[axis][k + width] : low[axis][k];
-        high[axis][k] = high[axis][k + width] > high[axis][k] ? high[axis][k + width] : high[axis][k];
-      }
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      const float value = valueAlong(axis, px[i + k], py[i + k], pz[i + k]);
+      low[k] = value < low[k] ? value : low[k];
+      high[k] = value > high[k] ? value : high[k];
     }
   }
-  return {{low[0][0], low[1][0], low[2][0]}, {high[0][0], high[1][0], high[2][0]}};
+  for (std::size_t i = whole; i < n; ++i) {
+    const float value = valueAlong(axis, px[i], py[i], pz[i]);
+    low[0] = value < low[0] ? value : low[0];
+    high[0] = value > high[0] ? value : high[0];
+  }
+  for (std::size_t width = kLanes / 2; width > 0; width /= 2) {
+    for (std::size_t k = 0; k < width; ++k) {
+      low[k] = low[k + width] < low[k] ? low[k + width] : low[k];
+      high[k] = high[k + width] > high[k] ? high[k + width] : high[k];
+    }
+  }
+  return {low[0], high[0]};
+}
+
+BOXGRASP_SIMD void valuesOf(const float* px, const float* py, const float* pz, std::size_t n,
+                            const Axis& along, float* values) {
+  const Axis axis = along;
+  for (std::size_t i = 0; i < n; ++i) values[i] = valueAlong(axis, px[i], py[i], pz[i]);
+}
+
+// The least and the largest value that a point of each block can have, but for rounding.
+BOXGRASP_SIMD void boundBlocks(const float* const* middle, const float* const* half, std::size_t blocks,
+                               const Axis& along, float* low, float* high) {
+  const Axis axis = along;
+  const float *const half_x = half[0], *const half_y = half[1], *const half_z = half[2];
+  for (std::size_t b = 0; b < blocks; ++b) {
+    const float value = valueAlong(axis, middle[0][b], middle[1][b], middle[2][b]);
+    const float reach = std::abs(axis.direction[0]) * half_x[b] + std::abs(axis.direction[1]) * half_y[b] +
+                        std::abs(axis.direction[2]) * half_z[b];
+    low[b] = value - reach;
+    high[b] = value + reach;
+  }
 }
 
 }  // namespace support_passes
 
 namespace {
 
-using support_passes::Frame;
+using support_passes::Axis;
 using support_passes::kBlock;
-using support_passes::Ranges;
+using support_passes::kInfinity;
+using support_passes::Range;
 
-Frame frameOf(const Vector3d& origin, const Matrix3d& directions) {
-  Frame frame;
+constexpr double kRounding =
+    16.0 * std::numeric_limits<float>::epsilon();  // of a value, relative to the coordinates
+
+Axis axisOf(const Vector3d& origin, const Vector3d& direction) {
+  Axis axis;
   for (int i = 0; i < 3; ++i) {
-    frame.origin[i] = static_cast<float>(origin[i]);
-    for (int j = 0; j < 3; ++j) frame.axes[i][j] = static_cast<float>(directions(j, i));
+    axis.origin[i] = static_cast<float>(origin[i]);
+    axis.direction[i] = static_cast<float>(direction[i]);
   }
-  return frame;
-}
-
-std::vector<Ranges> rangesOfBlocks(const PointCloud& cloud, const Frame& frame) {
-  std::vector<Ranges> blocks;
-  for (std::size_t begin = 0; begin < cloud.size(); begin += kBlock) {
-    blocks.push_back(support_passes::rangesOf(cloud.x.data() + begin, cloud.y.data() + begin,
-                                              cloud.z.data() + begin, std::min(kBlock, cloud.size() - begin),
-                                              frame));
-  }
-  return blocks;
+  return axis;
 }
 
 // Remembers the point of smallest coordinates among those shown.
 struct Smallest {
-  std::tuple<float, float, float> point{std::numeric_limits<float>::infinity(), 0.0f, 0.0f};
-  void show(const PointCloud& cloud, std::size_t i) {
-    point = std::min(point, std::make_tuple(cloud.x[i], cloud.y[i], cloud.z[i]));
-  }
+  std::tuple<float, float, float> point{kInfinity, 0.0f, 0.0f};
+  void show(float x, float y, float z) { point = std::min(point, std::make_tuple(x, y, z)); }
 };
 
 void append(const Smallest& smallest, PointCloud& found) {
@@ -98,34 +110,94 @@ void append(const Smallest& smallest, PointCloud& found) {
   found.push({x, y, z});
 }
 
-void appendAlong(const PointCloud& cloud, const Frame& frame, int axis, const std::vector<Ranges>& blocks,
-                 PointCloud& found) {
-  float low = blocks[0].low[axis], high = blocks[0].high[axis];
-  for (const Ranges& block : blocks) {
-    low = std::min(low, block.low[axis]);
-    high = std::max(high, block.high[axis]);
+// The search along one axis; blocks may be looked at in any order, some not at all.
+class Extremes {
+ public:
+  Extremes(const PointCloud& cloud, const Axis& axis, std::size_t blocks)
+      : cloud_(cloud), axis_(axis), low_(blocks), high_(blocks), ranges_(blocks) {}
+
+  void bound(const std::array<const float*, 3>& middle, const std::array<const float*, 3>& half,
+             float margin) {
+    support_passes::boundBlocks(middle.data(), half.data(), ranges_.size(), axis_, low_.data(), high_.data());
+    margin_ = margin;
+    look(static_cast<std::size_t>(std::min_element(low_.begin(), low_.end()) - low_.begin()));
+    look(static_cast<std::size_t>(std::max_element(high_.begin(), high_.end()) - high_.begin()));
   }
-  Smallest lowest, highest;
-  for (std::size_t b = 0; b < blocks.size(); ++b) {
-    if (blocks[b].low[axis] != low && blocks[b].high[axis] != high) continue;
-    for (std::size_t i = b * kBlock; i < std::min(cloud.size(), (b + 1) * kBlock); ++i) {
-      const float value = support_passes::valueAlong(frame, axis, cloud.x[i], cloud.y[i], cloud.z[i]);
-      if (value == low) lowest.show(cloud, i);
-      if (value == high) highest.show(cloud, i);
+
+  // Whether the block can hold an outermost point.
+  bool matters(std::size_t block) const {
+    return !(low_[block] - margin_ > all_.low && high_[block] + margin_ < all_.high);
+  }
+
+  void look(std::size_t block) {
+    const std::size_t begin = block * kBlock;
+    const Range range =
+        support_passes::rangeOf(&cloud_.x[begin], &cloud_.y[begin], &cloud_.z[begin], sizeOf(block), axis_);
+    ranges_[block] = range;
+    all_.low = std::min(all_.low, range.low);
+    all_.high = std::max(all_.high, range.high);
+  }
+
+  void append(PointCloud& found) const {
+    Smallest lowest, highest;
+    for (std::size_t b = 0; b < ranges_.size(); ++b) {
+      if (ranges_[b].low == all_.low || ranges_[b].high == all_.high) show(b, lowest, highest);
+    }
+    boxgrasp::append(lowest, found);
+    boxgrasp::append(highest, found);
+  }
+
+ private:
+  std::size_t sizeOf(std::size_t block) const { return std::min(kBlock, cloud_.size() - block * kBlock); }
+
+  void show(std::size_t block, Smallest& lowest, Smallest& highest) const {
+    const std::size_t begin = block * kBlock, n = sizeOf(block);
+    float values[kBlock];
+    support_passes::valuesOf(&cloud_.x[begin], &cloud_.y[begin], &cloud_.z[begin], n, axis_, values);
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t at = begin + i;
+      if (values[i] == all_.low) lowest.show(cloud_.x[at], cloud_.y[at], cloud_.z[at]);
+      if (values[i] == all_.high) highest.show(cloud_.x[at], cloud_.y[at], cloud_.z[at]);
     }
   }
-  append(lowest, found);
-  append(highest, found);
-}
+
+  const PointCloud& cloud_;
+  Axis axis_;
+  float margin_ = 0.0f;
+  std::vector<float> low_, high_;  // bounds
+  std::vector<Range> ranges_;      // of the blocks that were looked at
+  Range all_;
+};
 
 }  // namespace
 
-void appendSupportPoints(const PointCloud& cloud, const Vector3d& origin, const Matrix3d& directions,
-                         PointCloud& found) {
+SupportPoints::SupportPoints(const PointCloud& cloud)
+    : cloud_(cloud),
+      x_(blockRanges(cloud.x, kBlock)),
+      y_(blockRanges(cloud.y, kBlock)),
+      z_(blockRanges(cloud.z, kBlock)) {
   assert(!cloud.empty());
-  const Frame frame = frameOf(origin, directions);
-  const std::vector<Ranges> blocks = rangesOfBlocks(cloud, frame);
-  for (int axis = 0; axis < 3; ++axis) appendAlong(cloud, frame, axis, blocks, found);
+  for (const BlockRanges* ranges : {&x_, &y_, &z_}) {
+    for (std::size_t b = 0; b < ranges->size(); ++b)
+      reach_ = std::max(reach_, static_cast<double>(std::abs(ranges->middle[b]) + ranges->half[b]));
+  }
+}
+
+void SupportPoints::append(const Vector3d& origin, const Matrix3d& directions, PointCloud& found) const {
+  const std::array middle{x_.middle.data(), y_.middle.data(), z_.middle.data()};
+  const std::array half{x_.half.data(), y_.half.data(), z_.half.data()};
+  const auto margin = static_cast<float>(kRounding * (reach_ + origin.lpNorm<1>()));
+  std::vector<Extremes> axes;
+  for (int i = 0; i < 3; ++i) {
+    axes.emplace_back(cloud_, axisOf(origin, directions.col(i)), x_.size());
+    axes.back().bound(middle, half, margin);
+  }
+  for (std::size_t b = 0; b < x_.size(); ++b) {
+    for (Extremes& axis : axes) {
+      if (axis.matters(b)) axis.look(b);
+    }
+  }
+  for (const Extremes& axis : axes) axis.append(found);
 }
 
 }  // namespace boxgrasp

@@ -1,0 +1,63 @@
+#include "boxgrasp/geometry/support_points.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "random_clouds.h"
+#include "random_pose.h"
+
+namespace boxgrasp {
+namespace {
+
+TEST(BlockRanges, HoldTheValuesAndTouchTheOutermost) {
+  std::mt19937_64 random(1);
+  for (const std::size_t n : {1u, 15u, 16u, 17u, 100u, 1000u}) {
+    std::vector<float> values;
+    for (std::size_t i = 0; i < n; ++i) values.push_back(static_cast<float>(normal(random)));
+    const BlockRanges ranges = blockRanges(values, 48);
+    ASSERT_EQ(ranges.size(), (n + 47) / 48);
+    for (std::size_t b = 0; b < ranges.size(); ++b) {
+      const auto begin = values.begin() + static_cast<std::ptrdiff_t>(48 * b);
+      const auto end = values.begin() + static_cast<std::ptrdiff_t>(std::min(n, 48 * (b + 1)));
+      const auto [low, high] = std::minmax_element(begin, end);
+      EXPECT_NEAR(ranges.middle[b] - ranges.half[b], *low, 1e-6);
+      EXPECT_NEAR(ranges.middle[b] + ranges.half[b], *high, 1e-6);
+    }
+  }
+}
+
+// In whatever order the points are, and however few of them are looked at.
+TEST(SupportPoints, AreTheLowestAndHighestOfAll) {
+  std::mt19937_64 random(2);
+  for (const std::size_t n : {1u, 255u, 256u, 257u, 5000u}) {
+    PointCloud cloud = test::gaussianCloud(n, {0.1, 0.05, 0.02}, random);
+    if (n == 5000) std::sort(cloud.x.begin(), cloud.x.end());  // blocks that are far apart
+    const SupportPoints supports(cloud);
+    for (int round = 0; round < 20; ++round) {
+      const Matrix3d directions = test::randomPose(random).linear();
+      const Vector3d origin(0.1 * normal(random), 0.0, 0.3);
+      PointCloud found;
+      supports.append(origin, directions, found);
+      ASSERT_EQ(found.size(), 6u);
+      const AxisRanges all = rangesAlong(cloud, directions);
+      for (int axis = 0; axis < 3; ++axis) {
+        const Vector3d direction = directions.col(axis);
+        EXPECT_NEAR(direction.dot(found.point(2 * static_cast<std::size_t>(axis))), all.min[axis], 1e-6);
+        EXPECT_NEAR(direction.dot(found.point(2 * static_cast<std::size_t>(axis) + 1)), all.max[axis], 1e-6);
+      }
+    }
+  }
+}
+
+TEST(SupportPoints, AreTheSmallestOfEquals) {
+  PointCloud cloud;
+  for (int i = 999; i >= 0; --i) cloud.push({0.0, 0.001 * (i % 500), 1.0});
+  PointCloud found;
+  SupportPoints(cloud).append({0, 0, 0}, Matrix3d::Identity(), found);
+  for (const std::size_t along_x : {0u, 1u})
+    EXPECT_EQ(found.point(along_x), cloud.point(499)) << "all are equal along x";
+}
+
+}  // namespace
+}  // namespace boxgrasp
