@@ -22,7 +22,7 @@ struct BoxNode {
   int parent = -1;              // index in BoxTree::nodes; -1 for the root
   int first = -1, second = -1;  // children; -1 for a leaf
   int depth = 0;
-  double theta = -1.0;                // the best split's Theta* (Eq. 1); -1 where no split was possible
+  double theta = -1.0;                // the best split's Theta* (Eq. 1); -1 where none is below t
   std::optional<Cut> cut;             // the best split found, made or not
   double volume_gain = -1.0;          // (V(p) + V(q)) / V(box) of that split; -1 where none was tried
   std::string stop_reason;            // why a leaf was not split; empty for an inner node

@@ -28,17 +28,24 @@ double lengthOf(const std::vector<Vector2d>& polyline) {
   return length;
 }
 
-Sample sampleAt(const std::vector<Vector2d>& polyline, double distance) {
+// The point at a distance along a segment that begins at the hull's vertex `first`.
+Sample sampleAt(const std::vector<Vector2d>& segment, std::size_t first, double distance) {
   std::size_t i = 0;
-  for (; i + 2 < polyline.size() && distance > (polyline[i + 1] - polyline[i]).norm(); ++i)
-    distance -= (polyline[i + 1] - polyline[i]).norm();
-  const Vector2d edge = (polyline[i + 1] - polyline[i]).normalized();
-  return {polyline[i] + edge * distance, edge};
+  for (; i + 2 < segment.size() && distance > (segment[i + 1] - segment[i]).norm(); ++i)
+    distance -= (segment[i + 1] - segment[i]).norm();
+  return {segment[i] + (segment[i + 1] - segment[i]).normalized() * distance, first + i};
 }
 
-void appendSamples(const std::vector<Vector2d>& segment, int count, std::vector<Sample>& samples) {
+void appendSamples(const Polygon& hull, const std::vector<Vector2d>& segment, std::size_t count,
+                   std::vector<Sample>& samples) {
   const double length = lengthOf(segment);
-  for (int i = 0; i < count; ++i) samples.push_back(sampleAt(segment, length * (i + 0.5) / count));
+  const auto first =
+      static_cast<std::size_t>(std::find(hull.begin(), hull.end(), segment.front()) - hull.begin());
+  for (std::size_t i = 0; i < count; ++i) {
+    samples.push_back(
+        sampleAt(segment, first, length * (static_cast<double>(i) + 0.5) / static_cast<double>(count)));
+    samples.back().before %= hull.size();
+  }
 }
 
 Line lineThrough(const Vector2d& a, const Vector2d& b) {
@@ -70,13 +77,20 @@ std::vector<std::vector<Vector2d>> longSegments(const Polygon& hull, const Decom
   return segments;
 }
 
+std::size_t CutLines::index(std::size_t from, std::size_t to) const {
+  const std::size_t segment = from / per_segment, first_to = (segment + 1) * per_segment;
+  // From each sample of an earlier segment a line goes to each sample of all segments behind that.
+  const std::size_t before = per_segment * per_segment * (segment * (2 * segments() - segment - 1) / 2);
+  return before + (from - segment * per_segment) * (samples.size() - first_to) + (to - first_to);
+}
+
 CutLines cutLines(const Polygon& hull, const DecompositionOptions& options) {
   CutLines cuts;
-  const auto each = static_cast<std::size_t>(options.samples_per_segment);
+  cuts.per_segment = static_cast<std::size_t>(options.samples_per_segment);
   for (const auto& segment : longSegments(hull, options))
-    appendSamples(segment, options.samples_per_segment, cuts.samples);
+    appendSamples(hull, segment, cuts.per_segment, cuts.samples);
   for (std::size_t from = 0; from < cuts.samples.size(); ++from) {
-    for (std::size_t to = (from / each + 1) * each; to < cuts.samples.size(); ++to)
+    for (std::size_t to = (from / cuts.per_segment + 1) * cuts.per_segment; to < cuts.samples.size(); ++to)
       cuts.lines.push_back({lineThrough(cuts.samples[from].point, cuts.samples[to].point), from, to});
   }
   return cuts;

@@ -13,11 +13,10 @@ namespace boxgrasp {
 // the polyline of its vertices.
 std::vector<std::vector<Vector2d>> longSegments(const Polygon& hull, const DecompositionOptions& options);
 
-// A point of a long segment where lines end. All of the hull is on the left of `edge`, the unit direction of
-// the hull edge that it lies on.
+// A point of a long segment where lines end.
 struct Sample {
   Vector2d point{0, 0};
-  Vector2d edge{1, 0};
+  std::size_t before = 0;  // the hull vertex where the hull's edge that it lies on begins
 };
 
 // The line through two samples; its first side is on the right of the way from one to the other.
@@ -27,10 +26,15 @@ struct CutLine {
 };
 
 // Every line through a sample of one long segment and one of another, in a fixed order: by `from`, then `to`.
-// Samples are evenly spaced on each segment.
+// Samples are evenly spaced on each segment and, like the segments, in the order of the hull.
 struct CutLines {
   std::vector<Sample> samples;
   std::vector<CutLine> lines;
+  std::size_t per_segment = 1;
+
+  std::size_t segments() const { return samples.size() / per_segment; }
+  // The line between two samples. Pre: the segment of `to` is a later one than that of `from`.
+  std::size_t index(std::size_t from, std::size_t to) const;
 };
 CutLines cutLines(const Polygon& hull, const DecompositionOptions& options);
 

@@ -123,15 +123,13 @@ class TreeBuilder {
     FaceProjections faces;
     for (int axis = 0; axis < 3; ++axis) faces[axis] = projectionAlong(axis, part.box, cloud_B);
     const std::optional<BestLine> best = bestLine(faces);
-    if (!best) {
-      trial.impossible =
-          "no cut between long segments of the hull leaves "
-          "enough points on both sides";
+    if (!best || best->theta >= options_.gain_t) {
+      trial.impossible = fmt::format("no cut with enough points on both sides has a Theta below t = {:.3f}",
+                                     options_.gain_t);
       return trial;
     }
     trial.theta = best->theta;
     trial.cut = cutAlong(best->line, best->face, part.box);
-    if (trial.theta >= options_.gain_t) return trial;
     trial.parts = divide(part, faces[best->face], best->line);
     parallelFor(2, options_.threads, [&](std::size_t i) {
       trial.parts[i].box = minVolumeBox(trial.parts[i].points_C, {}, stop_);
@@ -164,8 +162,6 @@ class TreeBuilder {
     const int depth = node.depth + 1;
     node.theta = trial.theta;
     node.cut = trial.cut;
-    if (trial.theta >= options_.gain_t)
-      return fmt::format("Theta* {:.3f} is not below t = {:.3f}", trial.theta, options_.gain_t);
     node.volume_gain = trial.volume / node.box.volume();
     const double volume = volume_ - node.box.volume() + trial.volume;
     const double gain = options_.gain == GainMeasure::local ? node.volume_gain : volume / volume_;

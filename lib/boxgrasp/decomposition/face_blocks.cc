@@ -15,29 +15,6 @@ constexpr std::size_t kBlock = 64;  // a block is about as wide as the strip of 
 constexpr std::size_t kLanes = 16;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-// Middle and half the width of the range of each block.
-BOXGRASP_SIMD void boundBlocks(const float* values, std::size_t blocks, float* middle, float* half) {
-  for (std::size_t b = 0; b < blocks; ++b) {
-    const float* block = values + b * kBlock;
-    float low[kLanes], high[kLanes];
-    for (std::size_t k = 0; k < kLanes; ++k) low[k] = high[k] = block[k];
-    for (std::size_t i = kLanes; i < kBlock; i += kLanes) {
-      for (std::size_t k = 0; k < kLanes; ++k) {
-        low[k] = block[i + k] < low[k] ? block[i + k] : low[k];
-        high[k] = block[i + k] > high[k] ? block[i + k] : high[k];
-      }
-    }
-    for (std::size_t width = kLanes / 2; width > 0; width /= 2) {
-      for (std::size_t k = 0; k < width; ++k) {
-        low[k] = low[k + width] < low[k] ? low[k + width] : low[k];
-        high[k] = high[k + width] > high[k] ? high[k + width] : high[k];
-      }
-    }
-    middle[b] = 0.5f * (low[0] + high[0]);
-    half[b] = 0.5f * (high[0] - low[0]);
-  }
-}
-
 // How far each rectangle reaches out of a region.
 BOXGRASP_SIMD void reachOut(const float* x, const float* y, const float* half_x, const float* half_y,
                             std::size_t n, const HalfPlane* planes, std::size_t count, float* reach) {
@@ -113,12 +90,6 @@ namespace {
 
 constexpr float kMargin = 1e-6f;  // of the face's size: several rounding errors of a coordinate
 
-std::vector<float> padded(std::span<const float> values) {
-  std::vector<float> result(values.begin(), values.end());
-  result.resize((values.size() + kBlock - 1) / kBlock * kBlock, values.back());
-  return result;
-}
-
 void appendMarked(const float* x, const float* y, const std::uint8_t* mark, std::vector<Vector2d>& points) {
   for (std::size_t i = 0; i < kBlock; i += sizeof(std::uint64_t)) {
     std::uint64_t any;
@@ -132,33 +103,45 @@ void appendMarked(const float* x, const float* y, const std::uint8_t* mark, std:
 
 }  // namespace
 
-FaceBlocks::FaceBlocks(const FaceProjection& face) : x_(padded(face.x)), y_(padded(face.y)) {
-  const std::size_t blocks = x_.size() / kBlock;
-  for (auto* values : {&mid_x_, &mid_y_, &half_x_, &half_y_}) values->resize(blocks);
-  block_passes::boundBlocks(x_.data(), blocks, mid_x_.data(), half_x_.data());
-  block_passes::boundBlocks(y_.data(), blocks, mid_y_.data(), half_y_.data());
-  for (std::size_t b = 0; b < blocks; ++b)
-    margin_ = std::max({margin_, std::abs(mid_x_[b]) + half_x_[b], std::abs(mid_y_[b]) + half_y_[b]});
+BlockedValues::BlockedValues(std::span<const float> coordinates) {
+  const std::size_t whole = (coordinates.size() + kBlock - 1) / kBlock * kBlock;
+  values.reserve(whole);
+  values.assign(coordinates.begin(), coordinates.end());
+  values.resize(whole, coordinates.back());
+  ranges = blockRanges(values, kBlock);
+}
+
+FaceBlocks::FaceBlocks(const BlockedValues& x, const BlockedValues& y) : x_(x), y_(y) {
+  for (const BlockedValues* coordinate : {&x_, &y_}) {
+    const BlockRanges& ranges = coordinate->ranges;
+    for (std::size_t b = 0; b < ranges.size(); ++b)
+      margin_ = std::max(margin_, std::abs(ranges.middle[b]) + ranges.half[b]);
+  }
   margin_ *= kMargin;
 }
 
+std::vector<float> FaceBlocks::reachOut(const Region& region) const {
+  std::vector<float> reach(x_.ranges.size());
+  block_passes::reachOut(x_.ranges.middle.data(), y_.ranges.middle.data(), x_.ranges.half.data(),
+                         y_.ranges.half.data(), reach.size(), region.data(), region.size(), reach.data());
+  return reach;
+}
+
 std::vector<Vector2d> FaceBlocks::spreadPoints(std::size_t count) const {
-  const std::size_t step = std::max<std::size_t>(1, x_.size() / count);
+  const std::size_t step = (x_.values.size() + count - 1) / count;
   std::vector<Vector2d> points;
-  for (std::size_t i = 0; i < x_.size(); i += step) points.emplace_back(x_[i], y_[i]);
+  for (std::size_t i = 0; i < x_.values.size(); i += step) points.emplace_back(x_.values[i], y_.values[i]);
   return points;
 }
 
 Vector2d FaceBlocks::support(float x, float y) const {
   const HalfPlane beyond{x, y, 0.0f};
-  std::vector<float> reach(mid_x_.size());
-  block_passes::reachOut(mid_x_.data(), mid_y_.data(), half_x_.data(), half_y_.data(), reach.size(), &beyond,
-                         1, reach.data());
+  const std::vector<float> reach = reachOut({beyond});
   const auto first = static_cast<std::size_t>(std::max_element(reach.begin(), reach.end()) - reach.begin());
   float farthest = -kInfinity, values[kBlock];
   std::size_t point = 0;
   const auto look = [&](std::size_t block) {
-    block_passes::valuesOf(&x_[block * kBlock], &y_[block * kBlock], x, y, values);
+    block_passes::valuesOf(&x_.values[block * kBlock], &y_.values[block * kBlock], x, y, values);
     const float* best = std::max_element(values, values + kBlock);
     if (*best <= farthest) return;
     farthest = *best;
@@ -168,18 +151,13 @@ Vector2d FaceBlocks::support(float x, float y) const {
   for (std::size_t b = 0; b < reach.size(); ++b) {
     if (reach[b] > farthest) look(b);
   }
-  return {x_[point], y_[point]};
+  return {x_.values[point], y_.values[point]};
 }
 
 std::vector<std::uint32_t> FaceBlocks::openBlocks(const Region& a, const Region& b) const {
-  const std::size_t n = mid_x_.size();
-  std::vector<float> out_a(n), out_b(n);
-  block_passes::reachOut(mid_x_.data(), mid_y_.data(), half_x_.data(), half_y_.data(), n, a.data(), a.size(),
-                         out_a.data());
-  block_passes::reachOut(mid_x_.data(), mid_y_.data(), half_x_.data(), half_y_.data(), n, b.data(), b.size(),
-                         out_b.data());
+  const std::vector<float> out_a = reachOut(a), out_b = reachOut(b);
   std::vector<std::uint32_t> open;
-  for (std::size_t i = 0; i < n; ++i) {
+  for (std::size_t i = 0; i < out_a.size(); ++i) {
     if (std::min(out_a[i], out_b[i]) > -margin_) open.push_back(static_cast<std::uint32_t>(i));
   }
   return open;
@@ -189,7 +167,7 @@ void FaceBlocks::appendOpenPoints(const std::vector<std::uint32_t>& blocks, cons
                                   std::vector<Vector2d>& points) const {
   std::uint8_t mark[kBlock];
   for (const std::uint32_t block : blocks) {
-    const float *x = &x_[block * kBlock], *y = &y_[block * kBlock];
+    const float *x = &x_.values[block * kBlock], *y = &y_.values[block * kBlock];
     block_passes::markOpen(x, y, a.data(), a.size(), b.data(), b.size(), -margin_, mark);
     appendMarked(x, y, mark, points);
   }
@@ -199,7 +177,7 @@ void FaceBlocks::appendNearest(const std::vector<std::uint32_t>& blocks, const L
                                std::vector<Vector2d>& points) const {
   std::uint8_t mark[kBlock];
   for (const std::uint32_t block : blocks) {
-    const float *x = &x_[block * kBlock], *y = &y_[block * kBlock];
+    const float *x = &x_.values[block * kBlock], *y = &y_.values[block * kBlock];
     block_passes::markNearest(x, y, line, mark);
     appendMarked(x, y, mark, points);
   }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "boxgrasp/decomposition/face_projection.h"
+#include "boxgrasp/geometry/block_ranges.h"
 
 namespace boxgrasp {
 
@@ -17,14 +18,23 @@ struct HalfPlane {
 // What all of its half planes have in common.
 using Region = std::vector<HalfPlane>;
 
-// Blocks are runs of points that are neighbours in the node's order, with their bounding rectangles. A point
-// is open when it is in the inside of neither of two regions; one on an edge or nearer to it than the
-// rounding error of coordinates is open.
+// One coordinate of a node's points, padded by the last to whole blocks: runs of points that are neighbours
+// in the node's order. Two of these make a face.
+struct BlockedValues {
+  BlockedValues() = default;
+  explicit BlockedValues(std::span<const float> coordinates);
+
+  std::vector<float> values;
+  BlockRanges ranges;
+};
+
+// A point is open when it is in the inside of neither of two regions; one on an edge or nearer to it than the
+// rounding error of coordinates is open. The values are the owner's.
 class FaceBlocks {
  public:
-  explicit FaceBlocks(const FaceProjection& face);
+  FaceBlocks(const BlockedValues& x, const BlockedValues& y);
 
-  // One point of each of about `count` blocks, spread over the face.
+  // At most `count` points, spread over the face.
   std::vector<Vector2d> spreadPoints(std::size_t count) const;
 
   // The farthest point in a direction.
@@ -42,9 +52,10 @@ class FaceBlocks {
                      std::vector<Vector2d>& points) const;
 
  private:
-  std::vector<float> x_, y_;  // padded by the last point to whole blocks
-  std::vector<float> mid_x_, mid_y_, half_x_,
-      half_y_;  // of the blocks' bounding rectangles
+  // How far the blocks' bounding rectangles reach out of a region.
+  std::vector<float> reachOut(const Region& region) const;
+
+  const BlockedValues &x_, &y_;
   float margin_ = 0.0f;
 };
 

@@ -1,67 +1,83 @@
 #include <algorithm>
 #include <optional>
+#include <queue>
 #include <tuple>
 
 #include "boxgrasp/base/parallel.h"
 #include "boxgrasp/decomposition/face_search.h"
-#include "boxgrasp/decomposition/sides.h"
 #include "boxgrasp/decomposition/splits.h"
 
 namespace boxgrasp {
 namespace {
 
-constexpr std::size_t kSpread = 128;  // points in the inside of the face that first bounds are taken from
-constexpr std::size_t kMeasureCost = 600;  // to measure a line costs as much as this many points in a sweep
+// Of the bounds of blocks, and of lines that are about to be measured: a measurement costs as much as ten of
+// those.
+constexpr int kBlockDepth = 2, kLineDepth = 4;
 
-using FaceSearches = std::array<std::optional<FaceSearch>, 3>;
+// Lines of one face that were not yet measured, and a lower bound of their Theta.
+struct Bounded {
+  double theta;
+  int face;
+  LineBlock block;
+  int depth;  // of the bound
 
-// The lines that may win, the most promising first.
-std::vector<Rated> running(const FaceSearches& searches, const MeasuredLines& measured) {
-  std::vector<Rated> lines;
-  for (int f = 0; f < 3; ++f) {
-    const std::vector<double>& bounds = searches[f]->bounds();
-    for (std::size_t i = 0; i < bounds.size(); ++i) {
-      if (measured.mayWin(bounds[i])) lines.push_back({bounds[i], f, i});
+  // The most promising first; of equals in a fixed order.
+  bool operator<(const Bounded& other) const {
+    const auto key = [](const Bounded& b) {
+      return std::tie(b.theta, b.face, b.block.first_from, b.block.first_to);
+    };
+    return key(other) < key(*this);
+  }
+};
+
+// Best first: what may hold the best line is halved until it is one line, and that is measured. Nothing that
+// cannot win is.
+class BestFirst {
+ public:
+  BestFirst(const FaceProjections& faces, const DecompositionOptions& options) : measured_(faces, options) {
+    const std::array<std::span<const float>, 3> coordinates{faces[1].y, faces[0].x, faces[0].y};
+    parallelFor(3, options.threads, [&](std::size_t i) { values_[i] = BlockedValues(coordinates[i]); });
+    parallelFor(3, options.threads, [&](std::size_t f) {
+      searches_[f].emplace(faces[f], values_[(f + 1) % 3], values_[(f + 2) % 3], options);
+    });
+  }
+
+  std::optional<BestLine> run(const StopToken& stop) {
+    for (int f = 0; f < 3; ++f) {
+      for (const LineBlock& block : blocksOf(searches_[f]->cuts())) bound(f, block, kBlockDepth);
     }
+    for (; !queue_.empty() && measured_.mayWin(queue_.top().theta); stop.check()) {
+      const Bounded next = queue_.top();
+      queue_.pop();
+      if (next.block.size() > 1) {
+        for (const LineBlock& half : halvesOf(next.block)) bound(next.face, half, kBlockDepth);
+      } else if (next.depth < kLineDepth) {
+        bound(next.face, next.block, kLineDepth);
+      } else {
+        measure(next);
+      }
+    }
+    return measured_.best();
   }
-  std::sort(lines.begin(), lines.end(), [](const Rated& a, const Rated& b) {
-    return std::tie(a.theta, a.face, a.line) < std::tie(b.theta, b.face, b.line);
-  });
-  return lines;
-}
 
-void measure(const Rated& bounded, FaceSearches& searches, MeasuredLines& measured) {
-  FaceSearch& search = *searches[bounded.face];
-  measured.add({search.take(bounded.line, measured), bounded.face, bounded.line}, search.line(bounded.line));
-}
-
-// Bounds the lines by more and more points, as long as that costs less than to measure those that may win.
-void narrow(FaceSearches& searches, MeasuredLines& measured, int threads) {
-  for (std::size_t spread = kSpread, fans = 0, lines = 1; fans * spread < lines * kMeasureCost; spread *= 4) {
-    parallelFor(3, threads, [&](std::size_t f) { searches[f]->bound(spread, measured); });
-    const std::vector<Rated> left = running(searches, measured);
-    if (left.empty()) return;
-    measure(left.front(), searches, measured);
-    lines = left.size();
-    fans = 0;
-    for (const auto& search : searches) fans += search->fans(measured);
-    fans *= 4;
+ private:
+  void bound(int face, const LineBlock& block, int depth) {
+    const double theta = searches_[face]->bound(block, depth);
+    if (measured_.mayWin(theta)) queue_.push({theta, face, block, depth});
   }
-}
 
-std::optional<BestLine> bestByBounds(const FaceProjections& faces, const DecompositionOptions& options,
-                                     const StopToken& stop) {
-  FaceSearches searches;
-  parallelFor(3, options.threads, [&](std::size_t f) { searches[f].emplace(faces[f], options); });
-  MeasuredLines measured(faces, options);
-  narrow(searches, measured, options.threads);
-  for (const Rated& bounded : running(searches, measured)) {
-    stop.check();
-    if (!measured.mayWin(bounded.theta)) break;
-    measure(bounded, searches, measured);
+  void measure(const Bounded& bounded) {
+    const FaceSearch& search = *searches_[bounded.face];
+    const std::size_t index = search.cuts().index(bounded.block.first_from, bounded.block.first_to);
+    const Line& line = search.cuts().lines[index].line;
+    measured_.add({search.theta(line, measured_), bounded.face, index}, line);
   }
-  return measured.best();
-}
+
+  std::array<BlockedValues, 3> values_;
+  std::array<std::optional<FaceSearch>, 3> searches_;
+  MeasuredLines measured_;
+  std::priority_queue<Bounded> queue_;
+};
 
 std::optional<BestLine> bestByTryingAll(const FaceProjections& faces, const DecompositionOptions& options,
                                         const StopToken& stop) {
@@ -81,16 +97,16 @@ std::optional<BestLine> bestByTryingAll(const FaceProjections& faces, const Deco
 }  // namespace
 
 double plainTheta(const FaceProjection& face, const Line& line) {
-  std::vector<Vector2d> points;
-  for (std::size_t i = 0; i < face.size(); ++i) points.push_back(face.point(i));
-  Sides sides;
-  part(points, line, sides);
-  return thetaOf(hullsOf(std::move(sides)), face);
+  std::array<std::vector<Vector2d>, 2> sides;
+  for (std::size_t i = 0; i < face.size(); ++i)
+    sides[line.isFirst(face.x[i], face.y[i]) ? 0 : 1].push_back(face.point(i));
+  const double first = signedArea(convexHull(std::move(sides[0])));
+  return (first + signedArea(convexHull(std::move(sides[1])))) / face.area;
 }
 
 std::optional<BestLine> bestHullLine(const FaceProjections& faces, const DecompositionOptions& options,
                                      const StopToken& stop) {
-  return options.exhaustive ? bestByTryingAll(faces, options, stop) : bestByBounds(faces, options, stop);
+  return options.exhaustive ? bestByTryingAll(faces, options, stop) : BestFirst(faces, options).run(stop);
 }
 
 }  // namespace boxgrasp

@@ -1,115 +1,149 @@
 #include "boxgrasp/decomposition/line_bounds.h"
 
 #include <algorithm>
+#include <bit>
+#include <cassert>
 #include <cmath>
-#include <optional>
+#include <cstdint>
+#include <limits>
+
+#include "boxgrasp/base/simd.h"
 
 namespace boxgrasp {
-namespace {
 
-constexpr float kNextToLine = 1e-3f;    // in units of the angle below: well above the rounding error of Line
-constexpr double kNextToSample = 1e-3;  // in units of the points' reach: there angles say nothing
-constexpr double kBoundSlack = 1e-6;    // in units of the reach squared, for the
-                                        // rounding error of what is seen
+namespace line_bound_passes {
 
-// A point seen from a sample, x along the hull's edge and y into the hull.
-struct Seen {
-  float angle;  // rises with the angle from x, from 0 to 2
-  float x, y;
-};
+constexpr std::size_t kMost = 512;  // points
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-Seen seenFrom(const Sample& sample, const Vector2d& p) {
-  const Vector2d to = p - sample.point;
-  const auto x = static_cast<float>(sample.edge.dot(to)),
-             y = std::max(0.0f, static_cast<float>(cross(sample.edge, to)));
-  const float share = y / std::max(std::abs(x) + y, 1e-30f);
-  return {x >= 0 ? share : 2.0f - share, x, y};
+// The place of the point farthest along (u, v) among those with a * x + b * y <= limit; n if there is none.
+// Numbers are compared as integers in the same order, since the least and the largest integer of many are
+// found in any order. Pre: n is at most kMost.
+BOXGRASP_SIMD std::int32_t farthest(const float* x, const float* y, std::int32_t n, float u, float v, float a,
+                                    float b, float limit) {
+  std::int32_t keys[kMost], best = std::numeric_limits<std::int32_t>::min();
+  for (std::int32_t i = 0; i < n; ++i) {
+    const float along = u * x[i] + v * y[i];
+    const auto bits = std::bit_cast<std::int32_t>(a * x[i] + b * y[i] <= limit ? along : -kInfinity);
+    keys[i] = bits ^ ((bits >> 31) & 0x7fffffff);
+    best = keys[i] > best ? keys[i] : best;
+  }
+  const auto none = std::bit_cast<std::int32_t>(-kInfinity) ^ 0x7fffffff;
+  std::int32_t place = n;
+  for (std::int32_t i = 0; i < n; ++i) {
+    const std::int32_t here = keys[i] == best ? i : n;
+    place = here < place ? here : place;
+  }
+  return best == none ? n : place;
 }
 
-// The hull areas of all points with an angle below any given one, and of all above it.
-class Fan {
- public:
-  Fan(const Sample& sample, const std::vector<Vector2d>& few, double nearest) : sample_(sample) {
-    for (const Vector2d& p : few) {
-      if ((p - sample.point).squaredNorm() > nearest * nearest) seen_.push_back(seenFrom(sample, p));
-    }
-    std::sort(seen_.begin(), seen_.end(), [](const Seen& a, const Seen& b) { return a.angle < b.angle; });
-    std::vector<Vector2d> sorted;
-    for (const Seen& p : seen_) sorted.emplace_back(p.x, p.y);
-    below_ = areasOfGrowingHull(sorted);
-    std::reverse(sorted.begin(), sorted.end());
-    for (Vector2d& p : sorted) p.x() = -p.x();
-    above_ = areasOfGrowingHull(sorted);
-  }
+}  // namespace line_bound_passes
 
-  double areaBesides(const Vector2d& to) const {
-    const float angle = seenFrom(sample_, to).angle;
-    if (std::min(angle, 2.0f - angle) < kNextToLine)
-      return 0.0;  // points behind the sample are next to it too
-    const auto place = [&](float limit) {
-      const auto found =
-          std::partition_point(seen_.begin(), seen_.end(), [&](const Seen& p) { return p.angle < limit; });
-      return static_cast<std::size_t>(found - seen_.begin());
-    };
-    return below_[place(angle - kNextToLine)] + above_[seen_.size() - place(angle + kNextToLine)];
-  }
+namespace {
 
- private:
-  const Sample& sample_;
-  std::vector<Seen> seen_;
-  std::vector<double> below_, above_;
+constexpr double kNextToLine =
+    1e-6;  // of the points' reach: nearer to a line, rounding may move a point across
+constexpr double kBoundSlack = 1e-6;  // of the reach squared, for the rounding errors of areas and arcs
+
+// The points with normal.p <= limit.
+struct Side {
+  float normal_x, normal_y, limit;
+
+  bool has(const Vector2d& p) const {
+    return normal_x * static_cast<float>(p.x()) + normal_y * static_cast<float>(p.y()) <= limit;
+  }
 };
 
-// A chain of the hull from its first point to its last.
-class Chain {
- public:
-  // `turn` is 1 for the chain that turns left, -1 for the one that turns right.
-  Chain(std::size_t most, double turn) : points_(most), turn_(turn) {}
+// What is on the right of the way between two samples, further from it than a margin.
+Side sideOf(const CutLines& cuts, std::size_t from, std::size_t to, float margin) {
+  const Line& line = cuts.lines[from < to ? cuts.index(from, to) : cuts.index(to, from)].line;
+  if (from < to) return {line.normal_x, line.normal_y, line.offset - margin};
+  return {-line.normal_x, -line.normal_y, -line.offset - margin};
+}
 
-  // Drops what p sees and adds p; gives twice the area that is gained.
-  double extend(const Vector2d& p) {
-    double gained = 0.0;
-    while (size_ >= 2) {
-      const Vector2d &last = points_[size_ - 1], &before = points_[size_ - 2];
-      const double twice = turn_ * cross(last - before, p - last);
-      if (twice > 0) break;
-      gained -= twice;
-      --size_;
-    }
-    points_[size_++] = p;
-    return gained;
+// Grows a hull beyond one of its edges as quickhull does, to a depth.
+class Growth {
+ public:
+  // Points nearer to an edge than the margin do not count: which of them are outermost is chance.
+  Growth(const std::vector<float>& x, const std::vector<float>& y, const Side& side, double margin)
+      : x_(x), y_(y), side_(side), margin_(margin) {}
+
+  // The area that is gained beyond the edge from a to b, which has the hull on its left.
+  double beyond(const Vector2d& a, const Vector2d& b, int depth) const {
+    const Vector2d along = b - a;
+    const bool is_point = along.squaredNorm() == 0.0;
+    const Vector2d outward =
+        is_point ? Vector2d(side_.normal_x, side_.normal_y) : Vector2d(along.y(), -along.x());
+    const auto n = static_cast<std::int32_t>(x_.size());
+    const std::int32_t place = line_bound_passes::farthest(
+        x_.data(), y_.data(), n, static_cast<float>(outward.x()), static_cast<float>(outward.y()),
+        side_.normal_x, side_.normal_y, side_.limit);
+    if (place == n) return 0.0;
+    const Vector2d p(x_[static_cast<std::size_t>(place)], y_[static_cast<std::size_t>(place)]);
+    const double gained = -0.5 * cross(along, p - a);
+    if (is_point ? p == a : gained <= 0.5 * along.norm() * margin_) return 0.0;
+    if (depth == 1) return gained;
+    return gained + beyond(a, p, depth - 1) + beyond(p, b, depth - 1);
   }
 
  private:
-  std::vector<Vector2d> points_;
-  std::size_t size_ = 0;
-  double turn_;
+  const std::vector<float>&x_, &y_;
+  const Side& side_;
+  double margin_;
 };
 
 }  // namespace
 
-std::vector<double> areasOfGrowingHull(const std::vector<Vector2d>& sorted) {
-  std::vector<double> areas{0.0};
-  areas.reserve(sorted.size() + 1);
-  Chain far(sorted.size(), 1.0), near(sorted.size(), -1.0);  // as seen from the origin
-  for (const Vector2d& p : sorted) areas.push_back(areas.back() + 0.5 * (far.extend(p) + near.extend(p)));
-  return areas;
+std::vector<LineBlock> blocksOf(const CutLines& cuts) {
+  const std::size_t each = cuts.per_segment;
+  std::vector<LineBlock> blocks;
+  for (std::size_t from = 0; from < cuts.segments(); ++from) {
+    for (std::size_t to = from + 1; to < cuts.segments(); ++to)
+      blocks.push_back({from * each, (from + 1) * each - 1, to * each, (to + 1) * each - 1});
+  }
+  return blocks;
 }
 
-void raiseThetaBounds(const FaceProjection& face, const std::vector<Vector2d>& few, const CutLines& cuts,
-                      const std::function<bool(double)>& wanted, std::vector<double>& bounds) {
-  double reach = 0.0;
-  for (const Vector2d& p : few) reach = std::max(reach, p.norm());
-  const double slack = kBoundSlack * reach * reach;
-  std::optional<Fan> fan;
-  for (std::size_t i = 0; i < cuts.lines.size(); ++i) {
-    const CutLine& line = cuts.lines[i];
-    if (i > 0 && line.from != cuts.lines[i - 1].from) fan.reset();
-    if (!wanted(bounds[i])) continue;
-    if (!fan) fan.emplace(cuts.samples[line.from], few, kNextToSample * reach);
-    const double area = fan->areaBesides(cuts.samples[line.to].point);
-    bounds[i] = std::max(bounds[i], (area - slack) / face.area);
+std::array<LineBlock, 2> halvesOf(const LineBlock& block) {
+  std::array<LineBlock, 2> halves{block, block};
+  if (block.last_from - block.first_from > block.last_to - block.first_to) {
+    halves[0].last_from = (block.first_from + block.last_from) / 2;
+    halves[1].first_from = halves[0].last_from + 1;
+  } else {
+    halves[0].last_to = (block.first_to + block.last_to) / 2;
+    halves[1].first_to = halves[0].last_to + 1;
   }
+  return halves;
+}
+
+ThetaBounds::ThetaBounds(const HullArcs& arcs, const CutLines& cuts, double face_area,
+                         const std::vector<Vector2d>& points)
+    : arcs_(arcs), cuts_(cuts), face_area_(face_area) {
+  assert(points.size() <= line_bound_passes::kMost);
+  for (const Vector2d& p : points) {
+    x_.push_back(static_cast<float>(p.x()));
+    y_.push_back(static_cast<float>(p.y()));
+  }
+  for (const Vector2d& p : arcs.hull()) reach_ = std::max(reach_, p.lpNorm<Eigen::Infinity>());
+}
+
+double ThetaBounds::of(const LineBlock& block, int depth) const {
+  const double area =
+      sideArea(block.last_from, block.first_to, depth) + sideArea(block.last_to, block.first_from, depth);
+  return (area - kBoundSlack * reach_ * reach_) / face_area_;
+}
+
+double ThetaBounds::sideArea(std::size_t from, std::size_t to, int depth) const {
+  const double margin = kNextToLine * reach_;
+  const Side side = sideOf(cuts_, from, to, static_cast<float>(margin));
+  Arc arc{arcs_.next(cuts_.samples[from].before), cuts_.samples[to].before};
+  while (!side.has(arcs_.at(arc.first))) {
+    if (arc.first == arc.last) return 0.0;
+    arc.first = arcs_.next(arc.first);
+  }
+  while (!side.has(arcs_.at(arc.last))) arc.last = arcs_.previous(arc.last);
+  return arcs_.area(arc) +
+         Growth(x_, y_, side, margin).beyond(arcs_.at(arc.last), arcs_.at(arc.first), depth);
 }
 
 }  // namespace boxgrasp

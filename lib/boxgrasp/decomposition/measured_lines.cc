@@ -7,7 +7,9 @@
 
 namespace boxgrasp {
 
-bool MeasuredLines::mayWin(double theta) const { return theta <= best_ + tolerance::kEqualTheta; }
+bool MeasuredLines::mayWin(double theta) const {
+  return theta < t_ && theta <= best_ + tolerance::kEqualTheta;
+}
 
 void MeasuredLines::add(const Rated& rated, const Line& line) {
   if (!mayWin(rated.theta)) return;

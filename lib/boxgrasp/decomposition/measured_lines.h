@@ -19,7 +19,7 @@ struct Rated {
 class MeasuredLines {
  public:
   MeasuredLines(const FaceProjections& faces, const DecompositionOptions& options)
-      : faces_(faces), least_(leastPoints(faces[0].size(), options.min_point_fraction)) {}
+      : faces_(faces), least_(leastPoints(faces[0].size(), options.min_point_fraction)), t_(options.gain_t) {}
 
   // Whether a line with this Theta or bound can still be chosen.
   bool mayWin(double theta) const;
@@ -33,6 +33,7 @@ class MeasuredLines {
  private:
   const FaceProjections& faces_;
   std::size_t least_;
+  double t_;
   double best_ = std::numeric_limits<double>::infinity();
   std::vector<std::pair<Rated, Line>> rated_;
 };

@@ -1,5 +1,4 @@
-// The two rules that find a node's best split. Both give nothing where no line leaves enough points on both
-// sides.
+// The two rules that find a node's best split. Both give nothing where no line will do.
 #pragma once
 
 #include <array>
@@ -19,10 +18,10 @@ struct BestLine {
   Line line;
 };
 
-// The line with the least Theta (Eq. 1) over the three faces (paper II.A) among those with enough points on
-// both sides. Of those within tolerance::kEqualTheta of the least, the first is taken. options.exhaustive
-// tries every line on all points; else lines are bounded from below on few points and the promising ones
-// alone are tried on all: the same line.
+// The line with the least Theta (Eq. 1) over the three faces (paper II.A) among those with a Theta below
+// gain_t and enough points on both sides. Of those within tolerance::kEqualTheta of the least, the first is
+// taken. options.exhaustive tries every line on all points; else lines are bounded from below on few points
+// and the promising ones alone are tried on all: the same line.
 std::optional<BestLine> bestHullLine(const FaceProjections& faces, const DecompositionOptions& options,
                                      const StopToken& stop);
 

@@ -237,6 +237,9 @@ TEST(Decompose, SaysWhyItStopped) {
   EXPECT_THAT(reason(test::letterL(300), options), HasSubstr("thinner than a finger"));
   EXPECT_THAT(reason(test::brick(300), {}), HasSubstr("is not below t = 0.9"));
   options = {};
+  options.gain_t = 0.1;
+  EXPECT_THAT(reason(test::letterL(1000), options), HasSubstr("has a Theta below t = 0.1"));
+  options = {};
   options.max_leaves = 1;
   EXPECT_THAT(reason(test::letterL(1000), options), HasSubstr("1 boxes already"));
   options = {};

@@ -6,6 +6,7 @@
 
 #include "boxgrasp/decomposition/face_blocks.h"
 #include "boxgrasp/decomposition/line_bounds.h"
+#include "boxgrasp/decomposition/sides.h"
 #include "boxgrasp/decomposition/splits.h"
 #include "boxgrasp/decomposition/z_order.h"
 #include "shapes.h"
@@ -40,32 +41,6 @@ TEST(ZOrder, TakesCloudsWithoutExtent) {
   EXPECT_EQ(zOrder(cloud), (std::vector<std::uint32_t>{0, 1, 2}));
 }
 
-// Points of the upper half plane by rising angle, some of them on one ray.
-std::vector<Vector2d> fanOf(std::size_t n, std::mt19937_64& random) {
-  std::vector<Vector2d> points;
-  for (std::size_t i = 0; i < n; ++i) {
-    const double angle = uniform(random, 0.0, std::numbers::pi), radius = uniform(random, 0.1, 1.0);
-    points.push_back(radius * Vector2d(std::cos(angle), std::sin(angle)));
-    if (i % 4 == 0) points.push_back(points.back() * 0.5);
-  }
-  std::sort(points.begin(), points.end(),
-            [](const Vector2d& a, const Vector2d& b) { return cross(a, b) > 0; });
-  return points;
-}
-
-TEST(AreasOfGrowingHull, AreThoseOfTheHullsOfThePrefixes) {
-  std::mt19937_64 random(11);
-  for (int round = 0; round < 20; ++round) {
-    const std::vector<Vector2d> points = fanOf(40, random);
-    const std::vector<double> areas = areasOfGrowingHull(points);
-    ASSERT_EQ(areas.size(), points.size() + 1);
-    for (std::size_t k = 0; k <= points.size(); ++k) {
-      const std::vector<Vector2d> prefix(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(k));
-      EXPECT_NEAR(areas[k], signedArea(convexHull(prefix)), 1e-12) << k << " points";
-    }
-  }
-}
-
 // Random points on a face.
 struct Scatter {
   explicit Scatter(std::size_t n, std::uint64_t seed = 12) {
@@ -79,56 +54,193 @@ struct Scatter {
   std::vector<float> x, y;
 };
 
-TEST(ThetaBounds, AreNeverAboveThetaAndNearItWithAllPoints) {
-  const Scatter scatter(400);
-  const FaceProjection face = scatter.face();
+double reachOut(const Vector2d& p, const Region& region) {
+  double reach = -1e9;
+  for (const HalfPlane& plane : region)
+    reach = std::max(reach, plane.normal_x * p.x() + plane.normal_y * p.y() - plane.offset);
+  return reach;
+}
+
+std::vector<Vector2d> pointsOf(const FaceProjection& face) {
   std::vector<Vector2d> points;
   for (std::size_t i = 0; i < face.size(); ++i) points.push_back(face.point(i));
+  return points;
+}
+
+TEST(HullArcs, HaveTheAreaOfTheirVertices) {
+  const HullArcs arcs(convexHull(pointsOf(Scatter(200).face())));
+  const std::size_t n = arcs.hull().size();
+  for (std::size_t first = 0; first < n; ++first) {
+    Polygon arc;
+    for (std::size_t count = 1, last = first; count <= n; ++count, last = arcs.next(last)) {
+      arc.push_back(arcs.at(last));
+      EXPECT_NEAR(arcs.area({first, last}), signedArea(arc), 1e-12) << first << " to " << last;
+    }
+    EXPECT_EQ(arcs.next(arcs.previous(first)), first);
+  }
+}
+
+DecompositionOptions manyLines() {
   DecompositionOptions options;
   options.segment_fraction = 0.05;
-  const CutLines cuts = cutLines(convexHull(points), options);
-  ASSERT_FALSE(cuts.lines.empty());
-  for (const std::size_t step : {1u, 7u}) {
-    std::vector<Vector2d> few;
-    for (std::size_t i = 0; i < points.size(); i += step) few.push_back(points[i]);
-    std::vector<double> bounds(cuts.lines.size(), 0.0);
-    raiseThetaBounds(
-        face, few, cuts, [](double) { return true; }, bounds);
-    for (std::size_t i = 0; i < bounds.size(); ++i) {
-      const double theta = plainTheta(face, cuts.lines[i].line);
-      EXPECT_LE(bounds[i], theta);
-      EXPECT_GT(bounds[i], theta - (step == 1 ? 0.02 : 1.0));
+  return options;
+}
+
+TEST(CutLines, KnowTheirPlaces) {
+  const CutLines cuts = cutLines(convexHull(pointsOf(Scatter(400).face())), manyLines());
+  ASSERT_GT(cuts.segments(), 2u);
+  for (std::size_t i = 0; i < cuts.lines.size(); ++i)
+    EXPECT_EQ(cuts.index(cuts.lines[i].from, cuts.lines[i].to), i);
+}
+
+TEST(CutLines, HaveSamplesOnTheEdgesThatTheyName) {
+  const Polygon hull = convexHull(pointsOf(Scatter(400).face()));
+  for (const Sample& sample : cutLines(hull, manyLines()).samples) {
+    const Vector2d &a = hull[sample.before], &b = hull[(sample.before + 1) % hull.size()];
+    EXPECT_NEAR((sample.point - a).norm() + (b - sample.point).norm(), (b - a).norm(), 1e-12);
+  }
+}
+
+// Halves a block until it is lines; calls visit(block) with each on the way.
+template <typename Visit>
+void halve(const LineBlock& block, const Visit& visit) {
+  visit(block);
+  if (block.size() == 1) return;
+  for (const LineBlock& half : halvesOf(block)) halve(half, visit);
+}
+
+TEST(LineBlocks, HaveEveryLineOnce) {
+  const CutLines cuts = cutLines(convexHull(pointsOf(Scatter(400).face())), manyLines());
+  std::vector<int> seen(cuts.lines.size(), 0);
+  for (const LineBlock& block : blocksOf(cuts)) {
+    halve(block, [&](const LineBlock& part) {
+      if (part.size() == 1) ++seen[cuts.index(part.first_from, part.first_to)];
+    });
+  }
+  EXPECT_EQ(std::count(seen.begin(), seen.end(), 1), static_cast<std::ptrdiff_t>(seen.size()));
+}
+
+// Bounds every block of lines on the face, and compares with each line's own Theta.
+void expectLowerBounds(const FaceProjection& face, const CutLines& cuts, const HullArcs& arcs,
+                       const std::vector<Vector2d>& known, int depth) {
+  const ThetaBounds bounds(arcs, cuts, face.area, known);
+  std::vector<double> theta;
+  for (const CutLine& cut : cuts.lines) theta.push_back(plainTheta(face, cut.line));
+  for (const LineBlock& whole : blocksOf(cuts)) {
+    halve(whole, [&](const LineBlock& block) {
+      const double bound = bounds.of(block, depth);
+      for (std::size_t from = block.first_from; from <= block.last_from; ++from) {
+        for (std::size_t to = block.first_to; to <= block.last_to; ++to)
+          ASSERT_LE(bound, theta[cuts.index(from, to)])
+              << "from " << from << " to " << to << ", depth " << depth;
+      }
+      if (block.size() == 1 && depth > 5 && known.size() == face.size()) {
+        const double own = theta[cuts.index(block.first_from, block.first_to)];
+        EXPECT_GT(bound, 0.98 * own) << "all points are known, and deep hulls are nearly whole";
+      }
+    });
+  }
+}
+
+TEST(ThetaBounds, AreNeverAboveThetaAndNearItWithAllPoints) {
+  for (const std::uint64_t seed : {12u, 13u, 14u}) {
+    const Scatter scatter(400, seed);
+    const std::vector<Vector2d> points = pointsOf(scatter.face());
+    const HullArcs arcs(convexHull(points));
+    const CutLines cuts = cutLines(arcs.hull(), manyLines());
+    ASSERT_FALSE(cuts.lines.empty());
+    for (const std::size_t step : {1u, 7u}) {
+      std::vector<Vector2d> few;
+      for (std::size_t i = 0; i < points.size(); i += step) few.push_back(points[i]);
+      for (const int depth : {1, 2, 4, 12}) expectLowerBounds(scatter.face(), cuts, arcs, few, depth);
     }
   }
 }
 
-// Many points are on the lines, on the hull's edges and on one ray.
+// Many points are on the lines, on the hull's edges and in one place.
 TEST(ThetaBounds, AreNeverAboveThetaOnALattice) {
   Scatter lattice(0);
-  std::vector<Vector2d> points;
   for (int i = 0; i < 9; ++i) {
     for (int j = 0; j < 7; ++j) {
-      lattice.x.push_back(0.1f * static_cast<float>(i)), lattice.y.push_back(0.1f * static_cast<float>(j));
-      points.push_back(lattice.face().point(lattice.x.size() - 1));
+      for (int twice = 0; twice < 2; ++twice)
+        lattice.x.push_back(0.1f * static_cast<float>(i)), lattice.y.push_back(0.1f * static_cast<float>(j));
     }
   }
-  // A rectangle's edges in two runs each, so that lines along an edge are among the cuts.
-  const Polygon hull{{0, 0}, {0.4, -1e-9}, {0.8, 0}, {0.8, 0.6}, {0.4, 0.6 + 1e-9}, {0, 0.6}};
-  DecompositionOptions options;
-  options.merge_angle_rad = 0.0;
-  options.samples_per_segment = 9;
-  const CutLines cuts = cutLines(hull, options);
-  std::vector<double> bounds(cuts.lines.size(), 0.0);
-  raiseThetaBounds(
-      lattice.face(), points, cuts, [](double) { return true; }, bounds);
-  for (std::size_t i = 0; i < bounds.size(); ++i)
-    EXPECT_LE(bounds[i], plainTheta(lattice.face(), cuts.lines[i].line));
+  const FaceProjection face = lattice.face();
+  const HullArcs arcs(convexHull(pointsOf(face)));
+  for (const int samples : {3, 8, 9}) {  // of 8 on the longer edges, every line goes through lattice points
+    DecompositionOptions options;
+    options.samples_per_segment = samples;
+    const CutLines cuts = cutLines(arcs.hull(), options);
+    ASSERT_EQ(cuts.segments(), 4u);
+    for (const int depth : {1, 2, 3, 5}) expectLowerBounds(face, cuts, arcs, pointsOf(face), depth);
+  }
+}
+
+TEST(Sides, HaveThePlainThetaWithAllPoints) {
+  const Scatter scatter(300);
+  const FaceProjection face = scatter.face();
+  const std::vector<Vector2d> points = pointsOf(face);
+  const HullArcs arcs(convexHull(points));
+  const CutLines cuts = cutLines(arcs.hull(), manyLines());
+  ASSERT_FALSE(cuts.lines.empty());
+  for (const CutLine& cut : cuts.lines) {
+    std::optional<Sides> sides = Sides::of(arcs, cut.line);
+    ASSERT_TRUE(sides.has_value());
+    double before = sides->area();
+    for (std::size_t begin = 0; begin < points.size(); begin += 100) {
+      sides->add({points.begin() + static_cast<std::ptrdiff_t>(begin),
+                  points.begin() + static_cast<std::ptrdiff_t>(begin + 100)});
+      EXPECT_GE(sides->area(), before - 1e-12) << "hulls only grow";
+      before = sides->area();
+    }
+    EXPECT_NEAR(sides->area() / face.area, plainTheta(face, cut.line), 1e-12);
+  }
+}
+
+// Whether adding the point would make the hulls grow is what their insides say.
+TEST(Sides, GrowByPointsOutsideOfTheirInsidesAlone) {
+  const Scatter scatter(300);
+  const std::vector<Vector2d> points = pointsOf(scatter.face());
+  const HullArcs arcs(convexHull(points));
+  const CutLines cuts = cutLines(arcs.hull(), manyLines());
+  const std::vector<Vector2d> some(points.begin(), points.begin() + 60);
+  for (std::size_t i = 0; i < cuts.lines.size(); i += 5) {
+    std::optional<Sides> sides = Sides::of(arcs, cuts.lines[i].line);
+    ASSERT_TRUE(sides.has_value());
+    sides->add(some);
+    const Region first = sides->firstInside(), second = sides->secondInside();
+    const auto isWithoutInside = [](const HalfPlane& plane) {
+      return plane.normal_x == 0.0f && plane.normal_y == 0.0f;
+    };
+    const bool have_area = std::none_of(first.begin(), first.end(), isWithoutInside) &&
+                           std::none_of(second.begin(), second.end(), isWithoutInside);
+    for (const Vector2d& p : points) {
+      Sides grown = *sides;
+      grown.add({p});
+      const double reach = std::min(reachOut(p, first), reachOut(p, second));
+      if (reach < -1e-6) {
+        EXPECT_NEAR(grown.area(), sides->area(), 1e-12) << "line " << i;
+      } else if (reach > 1e-6 && have_area) {
+        EXPECT_GT(grown.area(), sides->area()) << "line " << i;
+      }
+    }
+  }
+}
+
+TEST(Sides, AreNotThereForLinesThatDoNotPartTheHull) {
+  const HullArcs arcs({{0, 0}, {1, 0}, {1, 1}, {0, 1}});
+  EXPECT_FALSE(Sides::of(arcs, {1, 0, 2}).has_value());
+  EXPECT_FALSE(Sides::of(arcs, {1, 0, -1}).has_value());
+  ASSERT_TRUE(Sides::of(arcs, {1, 0, 0.5f}).has_value());
+  EXPECT_EQ(Sides::of(arcs, {1, 0, 0.5f})->area(), 0.0) << "an edge on either side";
 }
 
 TEST(FaceBlocks, FindTheFarthestPoint) {
   for (const std::size_t n : {1u, 63u, 64u, 65u, 1000u}) {
     const Scatter scatter(n);
-    const FaceBlocks blocks(scatter.face());
+    const BlockedValues x(scatter.x), y(scatter.y);
+    const FaceBlocks blocks(x, y);
     for (int i = 0; i < 16; ++i) {
       const Vector2d direction(std::cos(0.4 * i), std::sin(0.4 * i));
       double farthest = -1e9;
@@ -144,17 +256,11 @@ TEST(FaceBlocks, FindTheFarthestPoint) {
 // The half planes of a triangle around the origin.
 Region triangle(float size) { return {{1, 0, size}, {-0.6f, 0.8f, size}, {-0.6f, -0.8f, size}}; }
 
-double reachOut(const Vector2d& p, const Region& region) {
-  double reach = -1e9;
-  for (const HalfPlane& plane : region)
-    reach = std::max(reach, plane.normal_x * p.x() + plane.normal_y * p.y() - plane.offset);
-  return reach;
-}
-
 TEST(FaceBlocks, FindEveryPointOutsideOfBothRegions) {
   const Scatter scatter(3000);
   const FaceProjection face = scatter.face();
-  const FaceBlocks blocks(face);
+  const BlockedValues x(scatter.x), y(scatter.y);
+  const FaceBlocks blocks(x, y);
   const Region a = triangle(0.05f), b{{1, 0, -0.06f}};
   std::vector<Vector2d> found;
   blocks.appendOpenPoints(blocks.openBlocks(a, b), a, b, found);
