@@ -49,20 +49,21 @@ using Parts = std::array<Part, 2>;
 
 // Both sides of the plane through a line on a face.
 Parts divide(const Part& part, const FaceProjection& face, const Line& line) {
-  std::array<std::vector<std::uint32_t>, 2> places, indices;
-  const std::size_t first = countFirst(face, line);
-  places[0].resize(first + 1);
-  places[1].resize(part.indices.size() - first + 1);
-  std::array<std::size_t, 2> count{0, 0};
-  for (std::size_t i = 0; i < part.indices.size(); ++i) {
-    const std::size_t side = line.isFirst(face.x[i], face.y[i]) ? 0 : 1;
-    places[side][count[side]++] = static_cast<std::uint32_t>(i);
-  }
+  const PointCloud& from = part.points_C;
+  const std::size_t n = part.indices.size(), first = countFirst(face, line);
   Parts parts;
-  for (std::size_t side = 0; side < 2; ++side) {
-    places[side].pop_back();
-    for (const std::uint32_t place : places[side]) indices[side].push_back(part.indices[place]);
-    parts[side] = partOf(select(part.points_C, places[side]), std::move(indices[side]));
+  for (const std::size_t side : {0, 1}) {
+    parts[side].points_C.resize(side == 0 ? first : n - first);
+    parts[side].indices.resize(parts[side].points_C.size());
+  }
+  std::array<std::size_t, 2> count{0, 0};
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t side = line.isFirst(face.x[i], face.y[i]) ? 0 : 1, at = count[side]++;
+    Part& to = parts[side];
+    to.points_C.x[at] = from.x[i];
+    to.points_C.y[at] = from.y[i];
+    to.points_C.z[at] = from.z[i];
+    to.indices[at] = part.indices[i];
   }
   return parts;
 }
@@ -179,9 +180,12 @@ class TreeBuilder {
   // Gives each point to its leaf and to all that are above it, in ascending order.
   void givePoints() {
     std::vector<int> leaf_of(cloud_C_.size());
+    std::vector<std::size_t> sizes(tree_.nodes.size(), 0);
     for (const auto& [leaf, indices] : leaves_of_) {
       for (const std::uint32_t index : indices) leaf_of[index] = leaf;
+      for (int node = leaf; node >= 0; node = tree_.nodes[node].parent) sizes[node] += indices.size();
     }
+    for (std::size_t node = 0; node < sizes.size(); ++node) tree_.nodes[node].points.reserve(sizes[node]);
     for (std::uint32_t i = 0; i < leaf_of.size(); ++i) {
       for (int node = leaf_of[i]; node >= 0; node = tree_.nodes[node].parent)
         tree_.nodes[node].points.push_back(i);
