@@ -36,9 +36,11 @@ class Seen {
     const double a = from_.dot(across_), b = (from_ + way_).dot(across_);
     return {std::min(a, b), std::max(a, b)};
   }
-  // Pre: the chord is not parallel to the thumb's normal.
+  // Pre: the chord is a point, or not parallel to the thumb's normal.
   Vector2d pointAt(double t) const {
-    return from_ + std::clamp((t - from_.dot(across_)) / way_.dot(across_), 0.0, 1.0) * way_;
+    const double width = way_.dot(across_);
+    if (width == 0.0) return from_;
+    return from_ + std::clamp((t - from_.dot(across_)) / width, 0.0, 1.0) * way_;
   }
 
  private:

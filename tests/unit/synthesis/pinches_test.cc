@@ -74,6 +74,25 @@ TEST(Pinches, PutTheThumbMidwayBetweenFingersOneSpacingApart) {
   }
 }
 
+// Of a side of twice the margin a point is left.
+TEST(Pinches, PutFingersInTheMiddleOfShortSides) {
+  constexpr double kLength = 1.0 / 64, kMiddle = 1.5 * kLength, kWidth = 0.02;  // exact in binary
+  std::vector<Region> regions;
+  regions.push_back(regionFrom({-0.06, 0}, {0.06, 0}));
+  for (const double middle : {-kMiddle, kMiddle})
+    regions.push_back(regionFrom({middle + 0.5 * kLength, kWidth}, {middle - 0.5 * kLength, kWidth}));
+  int on_both = 0;
+  for (const Triplet& pinch : findPinches(regions, flatImage(), 2 * kMiddle)) {
+    for (const Vector2d& p : pinch.points_F) ASSERT_TRUE(p.allFinite());
+    if (pinch.regions[2] != 0) continue;
+    ++on_both;
+    EXPECT_EQ(std::abs(pinch.points_F[0].x()), kMiddle);
+    EXPECT_EQ(pinch.points_F[1], Vector2d(-pinch.points_F[0].x(), kWidth));
+    EXPECT_NEAR(pinch.points_F[2].x(), 0.0, 1e-15) << "the thumb is midway";
+  }
+  EXPECT_EQ(on_both, 1) << "a finger on each of the short sides, the thumb on the long one";
+}
+
 TEST(Pinches, KeepTheMarginFromTheEndsOfASideButNotFromItsPieces) {
   const TripletOptions options;
   for (const double length : {0.072, 0.074}) {  // fingers need 50 mm and two margins of 11.5 mm: 73 mm
