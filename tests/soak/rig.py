@@ -45,6 +45,7 @@ class Programs:
 
         def copied(name):
             return pathlib.Path(shutil.copy2(build / name, copies))
+        copied("server/planner/boxgrasp-receiver")  # the server looks for it beside itself
         self.server = copied("server/planner/boxgrasp-server")
         self.trainer = copied("server/trainer/boxgrasp-trainer")
         self.client = copied("client/boxgrasp")
