@@ -7,14 +7,13 @@
 
 namespace boxgrasp {
 
-namespace block_range_passes {
+namespace range_passes {
 
 constexpr std::size_t kLanes = 16;
 
-BOXGRASP_SIMD void range(const float* values, std::size_t n, float& middle, float& half) {
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+BOXGRASP_SIMD ValueRange rangeOf(const float* values, std::size_t n) {
   float low[kLanes], high[kLanes];
-  for (std::size_t k = 0; k < kLanes; ++k) low[k] = kInfinity, high[k] = -kInfinity;
+  for (std::size_t k = 0; k < kLanes; ++k) low[k] = ValueRange{}.min, high[k] = ValueRange{}.max;
   const std::size_t whole = n - n % kLanes;
   for (std::size_t i = 0; i < whole; i += kLanes) {
     for (std::size_t k = 0; k < kLanes; ++k) {
@@ -32,20 +31,21 @@ BOXGRASP_SIMD void range(const float* values, std::size_t n, float& middle, floa
       high[k] = high[k + width] > high[k] ? high[k + width] : high[k];
     }
   }
-  middle = 0.5f * low[0] + 0.5f * high[0];
-  half = 0.5f * high[0] - 0.5f * low[0];
+  return {low[0], high[0]};
 }
 
-}  // namespace block_range_passes
+}  // namespace range_passes
+
+ValueRange rangeOf(std::span<const float> values) {
+  return range_passes::rangeOf(values.data(), values.size());
+}
 
 BlockRanges blockRanges(std::span<const float> values, std::size_t block) {
   BlockRanges ranges;
-  const std::size_t count = (values.size() + block - 1) / block;
-  ranges.middle.resize(count);
-  ranges.half.resize(count);
-  for (std::size_t b = 0; b < count; ++b) {
-    block_range_passes::range(values.data() + b * block, std::min(block, values.size() - b * block),
-                              ranges.middle[b], ranges.half[b]);
+  for (std::size_t begin = 0; begin < values.size(); begin += block) {
+    const ValueRange range = rangeOf(values.subspan(begin, std::min(block, values.size() - begin)));
+    ranges.middle.push_back(0.5f * range.min + 0.5f * range.max);
+    ranges.half.push_back(0.5f * range.max - 0.5f * range.min);
   }
   return ranges;
 }

@@ -1,10 +1,19 @@
-// The ranges of runs of values: what needs a look at few of many points asks them first.
+// The ranges of values and of runs of them: what needs a look at few of many points asks them first.
 #pragma once
 
+#include <limits>
 #include <span>
 #include <vector>
 
 namespace boxgrasp {
+
+struct ValueRange {
+  float min = std::numeric_limits<float>::infinity();
+  float max = -std::numeric_limits<float>::infinity();
+};
+
+// The smallest and the largest of the values; of none the empty range.
+ValueRange rangeOf(std::span<const float> values);
 
 // Of each block of values, the middle of its range and half the range's width.
 struct BlockRanges {

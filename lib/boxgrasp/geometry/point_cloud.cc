@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "boxgrasp/base/simd.h"
+#include "boxgrasp/geometry/block_ranges.h"
 
 namespace boxgrasp {
 
@@ -12,17 +13,17 @@ namespace point_cloud_passes {
 
 constexpr std::size_t kLanes = 32;
 
-struct Range {
+struct Interval {
   double min = std::numeric_limits<double>::infinity();
   double max = -std::numeric_limits<double>::infinity();
 };
 
 // Smallest and largest dot product of a point with (a, b, c).
-BOXGRASP_SIMD Range rangeAlong(const float* x, const float* y, const float* z, std::size_t n, double a,
-                               double b, double c) {
+BOXGRASP_SIMD Interval rangeAlong(const float* x, const float* y, const float* z, std::size_t n, double a,
+                                  double b, double c) {
   double low[kLanes], high[kLanes];
-  std::fill_n(low, kLanes, Range{}.min);
-  std::fill_n(high, kLanes, Range{}.max);
+  std::fill_n(low, kLanes, Interval{}.min);
+  std::fill_n(high, kLanes, Interval{}.max);
   const std::size_t whole = n - n % kLanes;
   for (std::size_t i = 0; i < whole; i += kLanes) {
     for (std::size_t k = 0; k < kLanes; ++k) {
@@ -35,25 +36,6 @@ BOXGRASP_SIMD Range rangeAlong(const float* x, const float* y, const float* z, s
     const double value = a * x[i] + b * y[i] + c * z[i];
     low[0] = std::min(low[0], value);
     high[0] = std::max(high[0], value);
-  }
-  return {*std::min_element(low, low + kLanes), *std::max_element(high, high + kLanes)};
-}
-
-// Smallest and largest of the values.
-BOXGRASP_SIMD Range rangeOf(const float* values, std::size_t n) {
-  float low[kLanes], high[kLanes];
-  std::fill_n(low, kLanes, std::numeric_limits<float>::infinity());
-  std::fill_n(high, kLanes, -std::numeric_limits<float>::infinity());
-  const std::size_t whole = n - n % kLanes;
-  for (std::size_t i = 0; i < whole; i += kLanes) {
-    for (std::size_t k = 0; k < kLanes; ++k) {
-      low[k] = values[i + k] < low[k] ? values[i + k] : low[k];
-      high[k] = values[i + k] > high[k] ? values[i + k] : high[k];
-    }
-  }
-  for (std::size_t i = whole; i < n; ++i) {
-    low[0] = std::min(low[0], values[i]);
-    high[0] = std::max(high[0], values[i]);
   }
   return {*std::min_element(low, low + kLanes), *std::max_element(high, high + kLanes)};
 }
@@ -124,9 +106,7 @@ PointCloud transformed(const PointCloud& cloud_A, const Pose& X_BA) {
 }
 
 Eigen::AlignedBox3d bounds(const PointCloud& cloud) {
-  const auto x = point_cloud_passes::rangeOf(cloud.x.data(), cloud.size());
-  const auto y = point_cloud_passes::rangeOf(cloud.y.data(), cloud.size());
-  const auto z = point_cloud_passes::rangeOf(cloud.z.data(), cloud.size());
+  const ValueRange x = rangeOf(cloud.x), y = rangeOf(cloud.y), z = rangeOf(cloud.z);
   return {Vector3d(x.min, y.min, z.min), Vector3d(x.max, y.max, z.max)};
 }
 

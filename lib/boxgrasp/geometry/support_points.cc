@@ -22,17 +22,13 @@ struct Axis {
   float direction[3];
 };
 
-struct Range {
-  float low = kInfinity, high = -kInfinity;
-};
-
 inline float valueAlong(const Axis& axis, float x, float y, float z) {
   return axis.direction[0] * (x - axis.origin[0]) + axis.direction[1] * (y - axis.origin[1]) +
          axis.direction[2] * (z - axis.origin[2]);
 }
 
-BOXGRASP_SIMD Range rangeOf(const float* px, const float* py, const float* pz, std::size_t n,
-                            const Axis& along) {
+BOXGRASP_SIMD ValueRange rangeAlong(const float* px, const float* py, const float* pz, std::size_t n,
+                                    const Axis& along) {
   const Axis axis = along;
   float low[kLanes], high[kLanes];
   for (std::size_t k = 0; k < kLanes; ++k) low[k] = kInfinity, high[k] = -kInfinity;
@@ -85,7 +81,6 @@ namespace {
 using support_passes::Axis;
 using support_passes::kBlock;
 using support_passes::kInfinity;
-using support_passes::Range;
 
 constexpr double kRounding =
     16.0 * std::numeric_limits<float>::epsilon();  // of a value, relative to the coordinates
@@ -126,22 +121,22 @@ class Extremes {
 
   // Whether the block can hold an outermost point.
   bool matters(std::size_t block) const {
-    return !(low_[block] - margin_ > all_.low && high_[block] + margin_ < all_.high);
+    return !(low_[block] - margin_ > all_.min && high_[block] + margin_ < all_.max);
   }
 
   void look(std::size_t block) {
     const std::size_t begin = block * kBlock;
-    const Range range =
-        support_passes::rangeOf(&cloud_.x[begin], &cloud_.y[begin], &cloud_.z[begin], sizeOf(block), axis_);
+    const ValueRange range = support_passes::rangeAlong(&cloud_.x[begin], &cloud_.y[begin], &cloud_.z[begin],
+                                                        sizeOf(block), axis_);
     ranges_[block] = range;
-    all_.low = std::min(all_.low, range.low);
-    all_.high = std::max(all_.high, range.high);
+    all_.min = std::min(all_.min, range.min);
+    all_.max = std::max(all_.max, range.max);
   }
 
   void append(PointCloud& found) const {
     Smallest lowest, highest;
     for (std::size_t b = 0; b < ranges_.size(); ++b) {
-      if (ranges_[b].low == all_.low || ranges_[b].high == all_.high) show(b, lowest, highest);
+      if (ranges_[b].min == all_.min || ranges_[b].max == all_.max) show(b, lowest, highest);
     }
     boxgrasp::append(lowest, found);
     boxgrasp::append(highest, found);
@@ -156,17 +151,17 @@ class Extremes {
     support_passes::valuesOf(&cloud_.x[begin], &cloud_.y[begin], &cloud_.z[begin], n, axis_, values);
     for (std::size_t i = 0; i < n; ++i) {
       const std::size_t at = begin + i;
-      if (values[i] == all_.low) lowest.show(cloud_.x[at], cloud_.y[at], cloud_.z[at]);
-      if (values[i] == all_.high) highest.show(cloud_.x[at], cloud_.y[at], cloud_.z[at]);
+      if (values[i] == all_.min) lowest.show(cloud_.x[at], cloud_.y[at], cloud_.z[at]);
+      if (values[i] == all_.max) highest.show(cloud_.x[at], cloud_.y[at], cloud_.z[at]);
     }
   }
 
   const PointCloud& cloud_;
   Axis axis_;
   float margin_ = 0.0f;
-  std::vector<float> low_, high_;  // bounds
-  std::vector<Range> ranges_;      // of the blocks that were looked at
-  Range all_;
+  std::vector<float> low_, high_;   // bounds
+  std::vector<ValueRange> ranges_;  // of the blocks that were looked at
+  ValueRange all_;
 };
 
 }  // namespace
