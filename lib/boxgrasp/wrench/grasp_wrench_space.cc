@@ -126,8 +126,9 @@ double largest(const std::vector<Wrench>& wrenches) {
 void WrenchOptions::validate() const {
   requireOption(friction >= 0.0 && std::isfinite(friction), "friction", friction, "finite and at least 0");
   requireOption(cone_edges >= 3 && cone_edges <= 64, "cone_edges", cone_edges, "from 3 to 64");
-  for (const double coordinate_m : p_CG)
-    requireOption(std::isfinite(coordinate_m), "p_CG", coordinate_m, "finite");
+  if (!p_CG.allFinite())
+    throw InputError(
+        fmt::format("option 'p_CG' is ({}, {}, {}), but must be finite", p_CG.x(), p_CG.y(), p_CG.z()));
   requireOption(torque_scale_m > 0.0 && std::isfinite(torque_scale_m), "torque_scale_m", torque_scale_m,
                 "finite and above 0");
 }
