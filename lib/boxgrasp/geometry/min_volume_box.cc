@@ -18,7 +18,7 @@ constexpr std::size_t kSeedDirections = 24;  // of the first outermost points, a
 constexpr std::size_t kChecked = 3;          // orientations compared with the whole cloud in a round
 constexpr int kRounds = 12;                  // smooth shapes need the most
 constexpr int kPasses = 2;                   // the first pass can miss what only its own points reveal
-constexpr float kGap = 3e-4f;  // relative to the volume: a smaller possible gain is not worth a round
+constexpr float kGap = 1e-4f;  // relative to the volume: a smaller possible gain is not worth a round
 
 // The box around any of the cloud's points bounds the box around all of them from below. So the search works
 // on a few outermost points, measures its best orientations on the whole cloud, takes in the points that

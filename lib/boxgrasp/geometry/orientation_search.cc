@@ -112,7 +112,7 @@ std::array<float, kLanes> volumes(const PointCloud& points, const Rotations& rot
 // (axis times tangent of half the angle) they fill a cube with its corners cut off. The first is the
 // identity.
 std::vector<Quaternionf> orientationLattice() {
-  constexpr int steps = 4;  // from the middle of the cube to its side, 11 degrees each
+  constexpr int steps = 6;  // from the middle of the cube to its side, 7.5 degrees each
   std::vector<Quaternionf> lattice{Quaternionf::Identity()};
   const float side = std::tan(std::numbers::pi_v<float> / 8.0f);
   for (int i = -steps; i <= steps; ++i) {
@@ -155,7 +155,7 @@ float alikeness(const Quaternionf& a, const Quaternionf& b) {
   return std::max({largest, (largest + second) * kHalfDiagonal, 0.5f * (std::abs(w) + x + y + z)});
 }
 
-constexpr float kNeighbours = 0.9962f;  // 10 degrees, nearly a step of the lattice
+constexpr float kNeighbours = 0.9962f;  // 10 degrees, a little more than a step of the lattice
 constexpr float kSame = 0.99988f;       // 2 degrees: two descents that ended in the same place
 
 bool smaller(const Orientation& a, const Orientation& b) { return a.volume < b.volume; }
@@ -286,7 +286,7 @@ Matrix3d smallestBoxAxes(const PointCloud& points, const Vector3d& edge) {
 
 std::vector<Orientation> searchOrientations(const PointCloud& points) {
   static const std::vector<Quaternionf> lattice = orientationLattice();
-  std::vector<Orientation> starts = distinct(measured(points, lattice), kLanes, kNeighbours);
+  std::vector<Orientation> starts = distinct(measured(points, lattice), 3 * kLanes, kNeighbours);
   descend(points, starts, 0.1f, 100);
   std::vector<Orientation> best = distinct(starts, kLanes / 2, kSame);
   descend(points, best, 0.01f, 40);
