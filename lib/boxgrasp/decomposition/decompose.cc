@@ -47,6 +47,18 @@ BoxNode nodeOf(const OrientedBox& box, int parent, int depth) {
 
 using Parts = std::array<Part, 2>;
 
+// Where the next point of a side goes.
+struct Place {
+  explicit Place(Part& part)
+      : x(part.points_C.x.data()),
+        y(part.points_C.y.data()),
+        z(part.points_C.z.data()),
+        index(part.indices.data()) {}
+
+  float *x, *y, *z;
+  std::uint32_t* index;
+};
+
 // Both sides of the plane through a line on a face.
 Parts divide(const Part& part, const FaceProjection& face, const Line& line) {
   const PointCloud& from = part.points_C;
@@ -56,14 +68,13 @@ Parts divide(const Part& part, const FaceProjection& face, const Line& line) {
     parts[side].points_C.resize(side == 0 ? first : n - first);
     parts[side].indices.resize(parts[side].points_C.size());
   }
-  std::array<std::size_t, 2> count{0, 0};
+  std::array<Place, 2> places{Place(parts[0]), Place(parts[1])};
   for (std::size_t i = 0; i < n; ++i) {
-    const std::size_t side = line.isFirst(face.x[i], face.y[i]) ? 0 : 1, at = count[side]++;
-    Part& to = parts[side];
-    to.points_C.x[at] = from.x[i];
-    to.points_C.y[at] = from.y[i];
-    to.points_C.z[at] = from.z[i];
-    to.indices[at] = part.indices[i];
+    Place& next = places[line.isFirst(face.x[i], face.y[i]) ? 0 : 1];
+    *next.x++ = from.x[i];
+    *next.y++ = from.y[i];
+    *next.z++ = from.z[i];
+    *next.index++ = part.indices[i];
   }
   return parts;
 }
