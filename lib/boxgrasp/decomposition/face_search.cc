@@ -7,9 +7,8 @@
 namespace boxgrasp {
 namespace {
 
-constexpr int kSupports = 32;              // directions whose farthest points make the first guess of a hull
-constexpr std::size_t kBoundSpread = 512;  // points in the inside that bounds are taken from
-constexpr std::size_t kFewSpread = 128;    // points in the inside that are known before a line is measured
+constexpr int kSupports = 32;            // directions whose farthest points make the first guess of a hull
+constexpr std::size_t kFewSpread = 128;  // points in the inside that are known before a line is measured
 
 }  // namespace
 
@@ -20,7 +19,7 @@ FaceSearch::FaceSearch(const FaceProjection& face, const BlockedValues& x, const
   if (hull.size() < 3) return;
   cuts_ = cutLines(hull, options);
   arcs_.emplace(std::move(hull));
-  bounds_.emplace(*arcs_, cuts_, face_.area, blocks_.spreadPoints(kBoundSpread));
+  bounds_.emplace(*arcs_, cuts_, face_.area, blocks_.spreadPoints(kMostBoundPoints));
   few_ = blocks_.spreadPoints(kFewSpread);
   std::sort(few_.begin(), few_.end(), lexicographic);
 }

@@ -13,15 +13,14 @@ namespace boxgrasp {
 
 namespace line_bound_passes {
 
-constexpr std::size_t kMost = 512;  // points
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 // The place of the point farthest along (u, v) among those with a * x + b * y <= limit; n if there is none.
 // Numbers are compared as integers in the same order, since the least and the largest integer of many are
-// found in any order. Pre: n is at most kMost.
+// found in any order. Pre: n is at most kMostBoundPoints.
 BOXGRASP_SIMD std::int32_t farthest(const float* x, const float* y, std::int32_t n, float u, float v, float a,
                                     float b, float limit) {
-  std::int32_t keys[kMost], best = std::numeric_limits<std::int32_t>::min();
+  std::int32_t keys[kMostBoundPoints], best = std::numeric_limits<std::int32_t>::min();
   for (std::int32_t i = 0; i < n; ++i) {
     const float along = u * x[i] + v * y[i];
     const auto bits = std::bit_cast<std::int32_t>(a * x[i] + b * y[i] <= limit ? along : -kInfinity);
@@ -119,7 +118,7 @@ std::array<LineBlock, 2> halvesOf(const LineBlock& block) {
 ThetaBounds::ThetaBounds(const HullArcs& arcs, const CutLines& cuts, double face_area,
                          const std::vector<Vector2d>& points)
     : arcs_(arcs), cuts_(cuts), face_area_(face_area) {
-  assert(points.size() <= line_bound_passes::kMost);
+  assert(points.size() <= kMostBoundPoints);
   for (const Vector2d& p : points) {
     x_.push_back(static_cast<float>(p.x()));
     y_.push_back(static_cast<float>(p.y()));

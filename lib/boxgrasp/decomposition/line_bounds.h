@@ -23,13 +23,17 @@ std::vector<LineBlock> blocksOf(const CutLines& cuts);
 // The two halves of a block of more than one line.
 std::array<LineBlock, 2> halvesOf(const LineBlock& block);
 
+// Of the points in the inside of a face that bounds are taken from.
+inline constexpr std::size_t kMostBoundPoints = 512;
+
 // Bounds from the hull of the face and a few points in its inside. Along the hull the sides of a block's
 // lines contain each other: the smallest first side is that of the line from the last sample to the first,
 // the smallest second side that of the line from the first to the last. The hull of some of the points of a
 // side is at most that of the side, so the areas of these two bound Theta of all lines in the block.
 class ThetaBounds {
  public:
-  // The arcs and the lines are the owner's; the points are some of the face's. Pre: at most 512 points.
+  // The arcs and the lines are the owner's; the points are some of the face's. Pre: at most kMostBoundPoints
+  // points.
   ThetaBounds(const HullArcs& arcs, const CutLines& cuts, double face_area,
               const std::vector<Vector2d>& points);
 
