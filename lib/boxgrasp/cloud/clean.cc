@@ -39,6 +39,26 @@ void collectPlaces(const PointCloud& cloud, std::span<const std::uint32_t> point
   places.erase(std::unique(places.begin(), places.end()), places.end());
 }
 
+bool coincide(const PointCloud& cloud, std::uint32_t a, std::uint32_t b) {
+  return cloud.x[a] == cloud.x[b] && cloud.y[a] == cloud.y[b] && cloud.z[a] == cloud.z[b];
+}
+
+// How many different places some points have.
+std::size_t countPlaces(const PointCloud& cloud, std::span<const std::uint32_t> points,
+                        std::vector<Place>& places) {
+  constexpr std::size_t kFew = 16;  // a look at each pair is quicker than to sort them
+  if (points.size() > kFew) {
+    collectPlaces(cloud, points, places);
+    return places.size();
+  }
+  std::size_t different = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    different += std::none_of(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(i),
+                              [&](std::uint32_t other) { return coincide(cloud, points[i], other); });
+  }
+  return different;
+}
+
 // Voxels in the canonical frame, of the edge asked for or larger, until no more than max_points are occupied.
 Voxels fittingVoxels(const PointCloud& cloud_K, const CleanOptions& options, double& edge_m,
                      const StopToken& stop) {
@@ -61,10 +81,8 @@ void even(const PointCloud& cloud_C, const Voxels& voxels, int threads, CleanClo
   parallelFor(places_in.size(), threads, [&](std::size_t stretch) {
     std::vector<Place> places;
     const std::size_t end = std::min(voxels.size(), (stretch + 1) * kStretch);
-    for (std::size_t i = stretch * kStretch; i < end; ++i) {
-      collectPlaces(cloud_C, voxels.points(i), places);
-      places_in[stretch] += places.size();
-    }
+    for (std::size_t i = stretch * kStretch; i < end; ++i)
+      places_in[stretch] += countPlaces(cloud_C, voxels.points(i), places);
   });
   const std::size_t places = std::accumulate(places_in.begin(), places_in.end(), std::size_t{0});
   result.duplicates = cloud_C.size() - places;

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
 
 #include "boxgrasp/base/parallel.h"
 #include "boxgrasp/base/simd.h"
@@ -11,17 +14,66 @@
 namespace boxgrasp {
 namespace neighbour_passes {
 
-// Appends the squared distances from p to n points that do not exceed a limit; returns how many there are
-// then. `squared` has room for n more.
-BOXGRASP_SIMD std::size_t appendNear(const float* x, const float* y, const float* z, std::size_t n,
-                                     const float* p, float limit, float* squared, std::size_t count) {
+constexpr std::size_t kLanes = 8;
+
+// The radius squared that holds `wanted` of n points, and how many it holds: more where those farthest are
+// equally far away. `upto`: how many the limit holds. On a surface their number grows as the square of the
+// radius does.
+inline std::pair<float, int> radiusOf(int wanted, const float* squared, std::size_t n, float limit,
+                                      int upto) {
+  float below = 0.0f, within = limit;
+  for (int inside = 0; upto > wanted;) {
+    const float share = (static_cast<float>(wanted - inside) + 0.5f) / static_cast<float>(upto - inside + 1);
+    const float middle = below + (within - below) * std::clamp(share, 0.125f, 0.875f);
+    if (!(below < middle && middle < within)) break;
+    int count = 0;
+    for (std::size_t i = 0; i < n; ++i) count += squared[i] <= middle;
+    (count >= wanted ? upto : inside) = count;
+    (count >= wanted ? within : below) = middle;
+  }
+  return {within, upto};
+}
+
+// The least of n values, or the limit.
+inline float leastOf(const float* values, std::size_t n, float limit) {
+  float least[kLanes];
+  std::fill_n(least, kLanes, limit);
+  for (std::size_t i = 0; i < n; i += kLanes) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane)
+      least[lane] = values[i + lane] < least[lane] ? values[i + lane] : least[lane];
+  }
+  return *std::min_element(least, least + kLanes);
+}
+
+// The sum of the roots of those of n values that do not exceed the limit. Changes the values.
+inline float sumOfRoots(float* values, std::size_t n, float limit) {
+  float sums[kLanes] = {};
+  for (std::size_t i = 0; i < n; ++i) values[i] = std::sqrt(values[i] <= limit ? values[i] : 0.0f);
+  for (std::size_t i = 0; i < n; i += kLanes) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) sums[lane] += values[i + lane];
+  }
+  return std::accumulate(sums, sums + kLanes, 0.0f);
+}
+
+// The distances from p, which is one of n points, to the nearest of the others, and to the k nearest of them
+// in sum. False where there are no k others within the limit. `squared` has room for n. Pre: n is a multiple
+// of kLanes.
+BOXGRASP_SIMD bool measure(const float* x, const float* y, const float* z, std::size_t n, const float* p,
+                           int k, float limit, float* squared, float& nearest, float& sum) {
+  int upto = 0, coincident = -1;
   for (std::size_t i = 0; i < n; ++i) {
     const float dx = x[i] - p[0], dy = y[i] - p[1], dz = z[i] - p[2];
     const float d = dx * dx + dy * dy + dz * dz;
-    squared[count] = d;
-    count += d <= limit;  // without a branch: one in three is near
+    coincident += d == 0.0f;
+    squared[i] = d == 0.0f ? std::numeric_limits<float>::infinity() : d;
+    upto += squared[i] <= limit;
   }
-  return count;
+  const int wanted = std::max(0, k - coincident);
+  if (upto < wanted) return false;
+  const auto [within, held] = radiusOf(wanted, squared, n, limit, upto);
+  nearest = coincident > 0 ? 0.0f : std::sqrt(leastOf(squared, n, limit));
+  sum = sumOfRoots(squared, n, within) - static_cast<float>(held - wanted) * std::sqrt(within);
+  return true;
 }
 
 }  // namespace neighbour_passes
@@ -45,16 +97,20 @@ class BlockSearch {
  private:
   static constexpr std::size_t kStretch = 256;  // cells that one thread takes at a time
 
-  // The points around one cell, and room for their distances.
+  // The points around one cell, filled up to whole lanes with points far away, and room for distances.
   struct Block {
-    std::vector<std::pair<std::size_t, std::size_t>> rows;
-    std::vector<float> squared;
+    std::vector<float> x, y, z, squared;
+
+    void clear() {
+      for (auto* values : {&x, &y, &z}) values->clear();
+    }
+    void add(const PointCloud& cloud, std::size_t begin, std::size_t end);
+    void fillUp();
   };
 
   bool fillCells(std::size_t first, std::size_t end, NeighbourDistances& distances) const;
   void enter(std::size_t cell, NeighbourSweep& sweep, Block& block) const;
   void fillPoint(std::size_t at, Block& block, double& mean, double& nearest) const;
-  std::size_t collectNear(std::size_t at, Block& block) const;
 
   Voxels cells_;
   PointCloud cloud_;  // in the order of the cells, so that a row of cells is one stretch of points
@@ -88,36 +144,34 @@ bool BlockSearch::fillCells(std::size_t first, std::size_t end, NeighbourDistanc
   return all;
 }
 
-void BlockSearch::enter(std::size_t cell, NeighbourSweep& sweep, Block& block) const {
-  std::size_t size = 0;
-  block.rows.clear();
-  sweep.around(cell, [&](std::size_t first, std::size_t last) {
-    block.rows.emplace_back(cells_.begin[first], cells_.begin[last]);
-    size += cells_.begin[last] - cells_.begin[first];
-  });
-  if (block.squared.size() <= size) block.squared.resize(size + 1);
+void BlockSearch::Block::add(const PointCloud& cloud, std::size_t begin, std::size_t end) {
+  for (const auto& [to, from] : {std::pair{&x, &cloud.x}, {&y, &cloud.y}, {&z, &cloud.z}})
+    to->insert(to->end(), from->data() + begin, from->data() + end);
 }
 
-std::size_t BlockSearch::collectNear(std::size_t at, Block& block) const {
-  const float p[] = {cloud_.x[at], cloud_.y[at], cloud_.z[at]};
-  std::size_t count = 0;
-  for (const auto& [begin, end] : block.rows) {
-    count = neighbour_passes::appendNear(&cloud_.x[begin], &cloud_.y[begin], &cloud_.z[begin], end - begin, p,
-                                         limit_, block.squared.data(), count);
-  }
-  return count;
+void BlockSearch::Block::fillUp() {
+  constexpr std::size_t kLanes = neighbour_passes::kLanes;
+  const std::size_t size = (x.size() + kLanes - 1) / kLanes * kLanes;
+  for (auto* values : {&x, &y, &z}) values->resize(size, std::numeric_limits<float>::infinity());
+  squared.resize(size);
+}
+
+void BlockSearch::enter(std::size_t cell, NeighbourSweep& sweep, Block& block) const {
+  block.clear();
+  sweep.around(cell, [&](std::size_t first, std::size_t last) {
+    block.add(cloud_, cells_.begin[first], cells_.begin[last]);
+  });
+  block.fillUp();
 }
 
 void BlockSearch::fillPoint(std::size_t at, Block& block, double& mean, double& nearest) const {
-  const std::size_t count = collectNear(at, block);
-  if (count <= k_) return;  // the point itself is among them, at distance 0
-  const auto begin = block.squared.begin(), last = begin + static_cast<std::ptrdiff_t>(k_);
-  std::nth_element(begin, last, begin + static_cast<std::ptrdiff_t>(count));
-  std::iter_swap(begin, std::min_element(begin, last));  // the point itself goes first
-  nearest = std::sqrt(*std::min_element(begin + 1, last + 1));
-  double sum = 0.0;
-  for (auto d = begin; d <= last; ++d) sum += std::sqrt(*d);
-  mean = sum / static_cast<double>(k_);
+  const float p[] = {cloud_.x[at], cloud_.y[at], cloud_.z[at]};
+  float to_nearest = 0.0f, sum = 0.0f;
+  if (!neighbour_passes::measure(block.x.data(), block.y.data(), block.z.data(), block.x.size(), p,
+                                 static_cast<int>(k_), limit_, block.squared.data(), to_nearest, sum))
+    return;
+  nearest = to_nearest;
+  mean = static_cast<double>(sum) / static_cast<double>(k_);
 }
 
 }  // namespace

@@ -244,6 +244,8 @@ std::size_t countPoints(const Voxels& voxels, const Indices& some) {
 // stand is the table; failing that, one that is too large for an object's side.
 std::optional<Table> Taker::findTable(const std::optional<Vector3d>& viewpoint_C) const {
   constexpr int kPlanes = 4;
+  // A patch is never wider than the cloud is long.
+  if (bounds(cloud_C_).sizes().norm() < options_.min_plane_extent_m) return std::nullopt;
   const Voxels voxels = sortIntoVoxels(cloud_C_, options_.cluster_distance_m / 4.0);
   const PointCloud coarse = meansOf(cloud_C_, voxels, options_.threads);
   std::mt19937_64 random(options_.seed);

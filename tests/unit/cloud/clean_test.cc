@@ -257,26 +257,38 @@ TEST(Clean, IsTheSameOnAnyNumberOfThreads) {
 
 // ---- the helpers against brute force
 
+void expectAsByBruteForce(const PointCloud& cloud, int k, double radius_m) {
+  const NeighbourDistances distances = neighbourDistances(cloud, k, radius_m, 1, {});
+  const NeighbourDistances on_three = neighbourDistances(cloud, k, radius_m, 3, {});
+  EXPECT_TRUE(on_three.mean == distances.mean && on_three.nearest == distances.nearest)
+      << "the result must not depend on the number of threads; k " << k << ", radius " << radius_m;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    std::vector<double> all;
+    for (std::size_t j = 0; j < cloud.size(); ++j) all.push_back((cloud.point(i) - cloud.point(j)).norm());
+    std::sort(all.begin(), all.end());
+    const double mean = std::accumulate(all.begin() + 1, all.begin() + 1 + k, 0.0) / k;
+    EXPECT_NEAR(distances.mean[i], mean, 1e-6 * mean) << "k " << k << ", radius " << radius_m;
+    EXPECT_NEAR(distances.nearest[i], all[1], 1e-6 * all[1]) << "k " << k << ", radius " << radius_m;
+  }
+}
+
 TEST(NeighbourDistances, AgreeWithBruteForce) {
   std::mt19937_64 random(9);
   PointCloud cloud = shell(300, random);
   cloud.push({3, 0, 0});
   for (const int k : {1, 2, 8, 40}) {
-    for (const double radius_m : {0.0003, 0.01, 10.0}) {
-      const NeighbourDistances distances = neighbourDistances(cloud, k, radius_m, 1, {});
-      const NeighbourDistances on_three = neighbourDistances(cloud, k, radius_m, 3, {});
-      EXPECT_TRUE(on_three.mean == distances.mean && on_three.nearest == distances.nearest)
-          << "the result must not depend on the number of threads; k " << k << ", radius " << radius_m;
-      for (std::size_t i = 0; i < cloud.size(); ++i) {
-        std::vector<double> all;
-        for (std::size_t j = 0; j < cloud.size(); ++j)
-          all.push_back((cloud.point(i) - cloud.point(j)).norm());
-        std::sort(all.begin(), all.end());
-        const double mean = std::accumulate(all.begin() + 1, all.begin() + 1 + k, 0.0) / k;
-        EXPECT_NEAR(distances.mean[i], mean, 1e-6 * mean) << "k " << k << ", radius " << radius_m;
-        EXPECT_NEAR(distances.nearest[i], all[1], 1e-6 * all[1]) << "k " << k << ", radius " << radius_m;
-      }
-    }
+    for (const double radius_m : {0.0003, 0.01, 10.0}) expectAsByBruteForce(cloud, k, radius_m);
+  }
+}
+
+TEST(NeighbourDistances, AgreeWhereManyAreEquallyFarAndSomeCoincide) {
+  PointCloud lattice;
+  for (int i = 0; i < 216; ++i) lattice.push(0.25 * Vector3d(i % 6, i / 6 % 6, i / 36));
+  for (int i = 0; i < 216; i += 7) {
+    for (int copies = i % 4; copies > 0; --copies) lattice.push(lattice.point(i));
+  }
+  for (const int k : {1, 2, 3, 8, 40}) {
+    for (const double radius_m : {0.1, 0.3, 0.5, 3.0}) expectAsByBruteForce(lattice, k, radius_m);
   }
 }
 
