@@ -6,7 +6,7 @@
 
 #include "boxgrasp/base/error.h"
 #include "boxgrasp/base/tolerances.h"
-#include "boxgrasp/hand/vertical_span.h"
+#include "boxgrasp/hand/swept_capsule.h"
 
 namespace boxgrasp {
 namespace {
@@ -84,8 +84,7 @@ class Test {
     return std::nullopt;
   }
 
-  // Whether the link, thinned, meets a point anywhere on its last `sweep_m` along z. On its way in it covers,
-  // above each place of the plane, its span in place and the sweep before it.
+  // Whether the link, thinned, meets a point anywhere on its last `sweep_m` along z.
   std::optional<Collision> meets(const Capsule& link, double thinning_m, double sweep_m,
                                  std::string_view phase) const {
     const double radius = link.radius - thinning_m;
@@ -93,11 +92,8 @@ class Test {
     const Vector3d a_A = X_AP_ * link.a, b_A = X_AP_ * link.b, margin = Vector3d::Constant(radius);
     Eigen::AlignedBox3d box_A(a_A.cwiseMin(b_A) - margin, a_A.cwiseMax(b_A) + margin);
     box_A.min().z() -= sweep_m;
-    const CapsuleSpans spans(a_A, b_A, radius);
-    return firstMet(box_A, link.name, phase, [&](const Vector3d& p_A) {
-      const auto span = spans.at(p_A.head<2>());
-      return span && p_A.z() <= span->high && p_A.z() >= span->low - sweep_m;
-    });
+    const SweptCapsule capsule(a_A, b_A, radius, sweep_m);
+    return firstMet(box_A, link.name, phase, [&](const Vector3d& p_A) { return capsule.contains(p_A); });
   }
 
   std::optional<Collision> palmMeets() const {
