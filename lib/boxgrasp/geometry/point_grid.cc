@@ -37,7 +37,10 @@ PointGrid::PointGrid(const PointCloud& cloud, double cell_m)
   slots_.resize(std::bit_ceil(2 * cloud.size() + 1));
   std::vector<std::uint32_t> cell_of_point(cloud.size());
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    cell_of_point[i] = insert(keyOf(cellOf(cloud.point(i))));
+    const std::uint64_t key = keyOf(cellOf(cloud.point(i)));
+    // Points that follow each other are often neighbours.
+    const bool again = i > 0 && keys_[cell_of_point[i - 1]] == key;
+    cell_of_point[i] = again ? cell_of_point[i - 1] : insert(key);
     ++cells_[cell_of_point[i]].end;
   }
   std::uint32_t begin = 0;
@@ -101,8 +104,9 @@ std::vector<std::uint32_t> PointGrid::within(const Vector3d& p, double radius_m)
 }
 
 std::optional<std::uint32_t> PointGrid::nearest(const Vector3d& p, double radius_m) const {
-  // A growing sphere: the nearest point in it is the nearest of all once it lies inside.
-  for (double radius = std::min(cell_m_, radius_m);; radius = std::min(2.0 * radius, radius_m)) {
+  // A growing sphere: the nearest point in it is the nearest of all once it lies inside. Most that are asked
+  // for are much nearer than a cell is wide.
+  for (double radius = std::min(0.25 * cell_m_, radius_m);; radius = std::min(2.0 * radius, radius_m)) {
     std::optional<std::uint32_t> best;
     double best_squared = radius * radius;
     visitBox(boxAroundSphere(p, radius), [&](std::uint32_t i) {

@@ -279,7 +279,11 @@ std::string_view describe(ReachRejection rejection) {
 
 Configurations findConfigurations(const HandDescription& hand, const Triplet& triplet, int triplet_index,
                                   const ConfigurationOptions& options) {
-  const Reach reach = fingerReach(hand);
+  return findConfigurations(hand, fingerReach(hand), triplet, triplet_index, options);
+}
+
+Configurations findConfigurations(const HandDescription& hand, const Reach& reach, const Triplet& triplet,
+                                  int triplet_index, const ConfigurationOptions& options) {
   PlanarSearch search(hand, reach, triplet, options);
   Configurations result;
   std::vector<PlanarSolution> solutions;

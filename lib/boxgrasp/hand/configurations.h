@@ -73,7 +73,10 @@ struct Configurations {
 // midway between them and the thumb; a gripper's jaws always do. Otherwise F1 and F2 reach outwards from
 // their spread axes. The palm's height is the one that brings the depths of the three fingertips nearest to
 // their aims. Ordered by point of the thumb, then by the size of the thumb angle. O(thumb_steps) a triplet.
+// Who asks often passes the reach.
 Configurations findConfigurations(const HandDescription& hand, const Triplet& triplet, int triplet_index,
                                   const ConfigurationOptions& options = {});
+Configurations findConfigurations(const HandDescription& hand, const Reach& reach, const Triplet& triplet,
+                                  int triplet_index, const ConfigurationOptions& options);
 
 }  // namespace boxgrasp

@@ -7,7 +7,6 @@
 
 #include "boxgrasp/base/error.h"
 #include "boxgrasp/base/tolerances.h"
-#include "boxgrasp/geometry/surface_normal.h"
 
 namespace boxgrasp {
 namespace {
@@ -29,26 +28,23 @@ bool pointWithin(const PointGrid& grid, const Vector3d& p, double radius_m, std:
 }
 
 // `p_C`: where the fingertip was planned to touch; `inward_C`: the normal of its region.
-Touch touch(const Vector3d& p_C, const Vector3d& inward_C, const PointGrid& object_C, double spacing_m,
-            const ContactOptions& options) {
-  const double radius = std::max(options.normal_radius_m, kSpacingsForPlane * spacing_m);
-  const auto nearest = object_C.nearest(p_C, radius);
+Touch touch(const Vector3d& p_C, const Vector3d& inward_C, TouchedSurface& surface_C) {
+  const auto nearest = surface_C.grid_C().nearest(p_C, surface_C.plane_m());
   if (!nearest) return {{}, ContactRejection::no_surface};
-  const auto surface = fitSurface(object_C, object_C.cloud().point(*nearest), radius);
-  if (!surface) return {{}, ContactRejection::no_surface};
-  const Vector3d touched_C = surface->project(p_C);
-  if (!pointWithin(object_C, touched_C, std::max(options.search_m, spacing_m), *nearest))
+  const std::optional<SurfacePlane>& plane = surface_C.planeAround(*nearest);
+  if (!plane) return {{}, ContactRejection::no_surface};
+  const Vector3d touched_C = plane->project(p_C);
+  if (!pointWithin(surface_C.grid_C(), touched_C, surface_C.search_m(), *nearest))
     return {{}, ContactRejection::no_surface};
-  const double cosine = surface->normal.dot(inward_C);
-  if (std::abs(cosine) < std::cos(options.max_normal_tilt_rad)) return {{}, ContactRejection::facing_away};
-  return {{touched_C, std::copysign(1.0, cosine) * surface->normal}, std::nullopt};
+  const double cosine = plane->normal.dot(inward_C);
+  if (std::abs(cosine) < std::cos(surface_C.options().max_normal_tilt_rad))
+    return {{}, ContactRejection::facing_away};
+  return {{touched_C, std::copysign(1.0, cosine) * plane->normal}, std::nullopt};
 }
 
 // The outline stands for a wall that the sensor cannot see, where a point of the cloud is near enough.
-Touch touchUnseen(const Vector3d& p_C, const Vector3d& inward_C, const PointGrid& object_C, double spacing_m,
-                  const ContactOptions& options) {
-  if (!object_C.nearest(p_C, std::max(options.search_m, spacing_m)))
-    return {{}, ContactRejection::no_surface};
+Touch touchUnseen(const Vector3d& p_C, const Vector3d& inward_C, const TouchedSurface& surface_C) {
+  if (!surface_C.grid_C().nearest(p_C, surface_C.search_m())) return {{}, ContactRejection::no_surface};
   return {{p_C, inward_C, false}, std::nullopt};
 }
 
@@ -133,18 +129,31 @@ std::string_view describe(ContactRejection rejection) {
   return "unknown";
 }
 
+TouchedSurface::TouchedSurface(const PointGrid& object_C, double spacing_m, const ContactOptions& options)
+    : grid_C_(object_C), spacing_m_(spacing_m), options_(options) {}
+
+double TouchedSurface::search_m() const { return std::max(options_.search_m, spacing_m_); }
+
+double TouchedSurface::plane_m() const {
+  return std::max(options_.normal_radius_m, kSpacingsForPlane * spacing_m_);
+}
+
+const std::optional<SurfacePlane>& TouchedSurface::planeAround(std::uint32_t point) {
+  const auto [known, added] = planes_.try_emplace(point);
+  if (added) known->second = fitSurface(grid_C_, grid_C_.cloud().point(point), plane_m());
+  return known->second;
+}
+
 Contacts findContacts(const Face& face, const Triplet& triplet, const HandConfiguration& configuration,
-                      const PointGrid& object_C, double spacing_m, const Viewpoints& viewpoints_C,
-                      const ContactOptions& options) {
+                      TouchedSurface& surface_C, const Viewpoints& viewpoints_C) {
   Contacts result;
   for (int finger = 0; finger < 3; ++finger) {
     const int point = configuration.point_of_finger[finger];
     const Vector2d &p_F = triplet.points_F[point], &n_F = triplet.normals_F[point];
     const Vector3d p_C = face.X_CF * Vector3d(p_F.x(), p_F.y(), configuration.depth_m[finger]);
     const Vector3d n_C = face.X_CF.linear() * Vector3d(n_F.x(), n_F.y(), 0.0);
-    Touch found = touch(p_C, n_C, object_C, spacing_m, options);
-    if (found.rejection && isUnseen(p_C, n_C, viewpoints_C))
-      found = touchUnseen(p_C, n_C, object_C, spacing_m, options);
+    Touch found = touch(p_C, n_C, surface_C);
+    if (found.rejection && isUnseen(p_C, n_C, viewpoints_C)) found = touchUnseen(p_C, n_C, surface_C);
     if (found.rejection) return {{}, found.rejection};
     result.contacts[finger] = found.contact;
   }
@@ -152,7 +161,7 @@ Contacts findContacts(const Face& face, const Triplet& triplet, const HandConfig
 }
 
 Contacts meetSurface(const HandDescription& hand, const Pose& X_CP, HandJoints& joints, Contacts planned,
-                     const PointGrid& object_C, double spacing_m, const ContactOptions& options) {
+                     TouchedSurface& surface_C) {
   assert(!planned.rejection && !hand.prismatic());
   const Pose X_PC = X_CP.inverse();
   const double way_m =
@@ -162,12 +171,12 @@ Contacts meetSurface(const HandDescription& hand, const Pose& X_CP, HandJoints& 
     if (!contact.seen) continue;
     const FingerPlane plane(hand, static_cast<Finger>(finger), joints.spread);
     ClosingFinger closing(hand, plane);
-    for (const std::uint32_t i : object_C.within(contact.p_C, way_m))
-      closing.add(X_PC * object_C.cloud().point(i));
+    for (const std::uint32_t i : surface_C.grid_C().within(contact.p_C, way_m))
+      closing.add(X_PC * surface_C.grid_C().cloud().point(i));
     const auto inner = closing.meets(joints.inner[finger]);
     if (!inner) return {{}, ContactRejection::not_met};
     const Vector3d met_C = X_CP * closing.nearest(*inner);
-    const Touch found = touch(met_C, contact.normal_C, object_C, spacing_m, options);
+    const Touch found = touch(met_C, contact.normal_C, surface_C);
     if (found.rejection) return {{}, found.rejection};
     joints.inner[finger] = *inner;
     contact = {met_C, found.contact.normal_C};

@@ -4,8 +4,10 @@
 #include <array>
 #include <optional>
 #include <string_view>
+#include <unordered_map>
 
 #include "boxgrasp/geometry/point_grid.h"
+#include "boxgrasp/geometry/surface_normal.h"
 #include "boxgrasp/geometry/viewpoints.h"
 #include "boxgrasp/hand/configurations.h"
 #include "boxgrasp/projection/graspable_faces.h"
@@ -31,6 +33,28 @@ struct ContactOptions {
   void validate() const;
 };
 
+// The surface of an object as fingertips find it: its points, and the plane around each that was asked for,
+// fitted once, since many grasps touch the same places. Not to be shared between threads. The grid must
+// outlive it.
+class TouchedSurface {
+ public:
+  TouchedSurface(const PointGrid& object_C, double spacing_m, const ContactOptions& options = {});
+
+  const PointGrid& grid_C() const { return grid_C_; }
+  const ContactOptions& options() const { return options_; }
+  double search_m() const;  // a contact has a point of the cloud so near
+  double plane_m() const;   // from a point to the farthest of those that its plane goes through
+
+  // The plane through the points around one; nullopt where they span none.
+  const std::optional<SurfacePlane>& planeAround(std::uint32_t point);
+
+ private:
+  const PointGrid& grid_C_;
+  double spacing_m_;
+  ContactOptions options_;
+  std::unordered_map<std::uint32_t, std::optional<SurfacePlane>> planes_;
+};
+
 struct SurfaceContact {
   Vector3d p_C = Vector3d::Constant(NAN);       // on the surface
   Vector3d normal_C = Vector3d::Constant(NAN);  // unit, into the object
@@ -51,8 +75,7 @@ struct Contacts {
   std::optional<ContactRejection> rejection;
 };
 Contacts findContacts(const Face& face, const Triplet& triplet, const HandConfiguration& configuration,
-                      const PointGrid& object_C, double spacing_m, const Viewpoints& viewpoints_C,
-                      const ContactOptions& options = {});
+                      TouchedSurface& surface_C, const Viewpoints& viewpoints_C);
 
 // Full inverse kinematics: closes each finger of the hand at X_CP until its tip comes to the first point of
 // the cloud, and puts contact and joint angle there, each finger at its own depth. The angle is the least,
@@ -60,6 +83,6 @@ Contacts findContacts(const Face& face, const Triplet& triplet, const HandConfig
 // something before it, the rejection says so. Contacts that are not seen stay as they are. Pre: the hand's
 // fingers turn; `planned` has no rejection.
 Contacts meetSurface(const HandDescription& hand, const Pose& X_CP, HandJoints& joints, Contacts planned,
-                     const PointGrid& object_C, double spacing_m, const ContactOptions& options = {});
+                     TouchedSurface& surface_C);
 
 }  // namespace boxgrasp

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 namespace boxgrasp {
 namespace {
@@ -23,26 +24,30 @@ LinkAngles linkAngles(const HandDescription& hand, double joint) {
 
 Vector2d along(double length, double angle) { return {length * std::cos(angle), length * std::sin(angle)}; }
 
-// The fingertip in the finger's plane, and its derivative by the joint angle.
+// The fingertip in the finger's plane, and its derivatives by the joint angle.
 struct TipMotion {
-  Vector2d at, rate;
+  Vector2d at, rate, bend;
 };
 
 TipMotion tipMotion(const HandDescription& hand, double joint) {
   if (hand.prismatic()) {
     return {{hand.tip_radius - hand.slide_per_rad * joint, hand.inner_length + hand.tip_length},
-            {-hand.slide_per_rad, 0.0}};
+            {-hand.slide_per_rad, 0.0},
+            {0.0, 0.0}};
   }
   const LinkAngles angles = linkAngles(hand, joint);
   const Vector2d inner = along(hand.inner_length, angles.inner), outer = along(hand.tip_length, angles.outer);
+  const double rate = angles.outer_rate;
   return {inner + outer,
-          {-inner.y() - angles.outer_rate * outer.y(), inner.x() + angles.outer_rate * outer.x()}};
+          {-inner.y() - rate * outer.y(), inner.x() + rate * outer.x()},
+          -inner - rate * rate * outer};
 }
 
 double extensionRate(const HandDescription& hand, double joint) { return tipMotion(hand, joint).rate.x(); }
 
 constexpr double kReachRounding = 1e-12;  // metres; an extension at the very end of the reach is in reach
 constexpr int kMaxIterations = 100;       // bisection alone needs 55
+constexpr double kSettled_rad = 1e-11;    // a step so small ends at the angle to rounding
 
 // The names of the three links of F1, F2 and the thumb; of jaws: of rail, stem and pad.
 constexpr std::string_view kLinkNames[3][3] = {{"F1 knuckle", "F1 inner link", "F1 outer link"},
@@ -109,8 +114,14 @@ double maxMonotoneAngle(const HandDescription& hand) {
 }
 
 Reach fingerReach(const HandDescription& hand) {
-  const double last = maxMonotoneAngle(hand);
-  return {hand.inner_min, last, extension(hand, last), extension(hand, hand.inner_min)};
+  Reach reach;
+  reach.inner_min = hand.inner_min;
+  reach.inner_max = maxMonotoneAngle(hand);
+  for (int step = 0; step <= Reach::kSteps; ++step)
+    reach.extensions_m[step] = extension(hand, reach.inner(step));
+  reach.extension_min_m = reach.extensions_m.back();
+  reach.extension_max_m = reach.extensions_m.front();
+  return reach;
 }
 
 std::optional<double> innerForExtension(const HandDescription& hand, double extension_m) {
@@ -121,16 +132,23 @@ std::optional<double> innerForExtension(const HandDescription& hand, double exte
   const bool reached = extension_m >= reach.extension_min_m - kReachRounding &&
                        extension_m <= reach.extension_max_m + kReachRounding;
   if (!reached) return std::nullopt;
-  // Newton's method, kept inside a bracket: near the end of the monotone range the slope vanishes.
-  double low = reach.inner_min, high = reach.inner_max, joint = 0.5 * (low + high);
+  // Halley's method from where the chord of the step crosses, kept inside a bracket: near the end of the
+  // monotone range the slope vanishes, and it jumps where the outer joint comes to its limit.
+  const auto& steps = reach.extensions_m;
+  const auto behind = std::lower_bound(steps.begin() + 1, steps.end() - 1, extension_m, std::greater{});
+  const double share = (behind[-1] - extension_m) / (behind[-1] - behind[0]);
+  const auto step = static_cast<double>(behind - steps.begin());
+  double low = reach.inner(step - 1), high = reach.inner(step);
+  double joint = reach.inner(step - 1 + std::clamp(share, 0.0, 1.0));
   for (int i = 0; i < kMaxIterations; ++i) {
     const TipMotion tip = tipMotion(hand, joint);
     const double excess = tip.at.x() - hand.tip_radius - extension_m;
     if (excess == 0.0) return joint;
     (excess > 0 ? low : high) = joint;
-    const double newton = joint - excess / tip.rate.x();
-    const double next = newton > low && newton < high ? newton : 0.5 * (low + high);
-    if (std::abs(next - joint) < 1e-15) return next;
+    const double rate = tip.rate.x();
+    const double halley = joint - 2 * excess * rate / (2 * rate * rate - excess * tip.bend.x());
+    const double next = halley >= low && halley <= high ? halley : 0.5 * (low + high);
+    if (std::abs(next - joint) < kSettled_rad) return next;
     joint = next;
   }
   return joint;

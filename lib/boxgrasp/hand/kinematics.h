@@ -29,10 +29,16 @@ Vector2d fingertipInPlane(const HandDescription& hand, double inner);
 double extension(const HandDescription& hand, double inner);
 double maxMonotoneAngle(const HandDescription& hand);
 
-// The joint angles over which `extension` falls strictly, and what it is at their ends.
+// The joint angles over which `extension` falls strictly, and what it is at their ends and in equal steps
+// between them.
 struct Reach {
+  static constexpr int kSteps = 16;
+
   double inner_min = NAN, inner_max = NAN;
   double extension_min_m = NAN, extension_max_m = NAN;
+  std::array<double, kSteps + 1> extensions_m{};  // falling, from inner_min to inner_max
+
+  double inner(double step) const { return std::lerp(inner_min, inner_max, step / kSteps); }
 };
 Reach fingerReach(const HandDescription& hand);
 

@@ -72,10 +72,11 @@ Configurations configurationsOf(const FaceWork& work, const std::vector<Triplet>
   const StageTimer timer(tally, StageId::configurations);
   ConfigurationOptions options = work.options.configurations;
   options.depth_model = work.options.depth_model;
+  const Reach reach = fingerReach(work.hand);
   Configurations all;
   for (std::size_t i = 0; i < triplets.size(); ++i) {
     work.stop.check();
-    Configurations found = findConfigurations(work.hand, triplets[i], static_cast<int>(i), options);
+    Configurations found = findConfigurations(work.hand, reach, triplets[i], static_cast<int>(i), options);
     if (found.configurations.empty()) tally.reject("triplet: no hand configuration reaches it");
     std::move(found.configurations.begin(), found.configurations.end(),
               std::back_inserter(all.configurations));
@@ -125,13 +126,12 @@ void followJoints(const HandDescription& hand, Grasp& grasp) {
   }
 }
 
-bool touchesSurface(const FaceWork& work, const Face& face, Grasp& grasp, Tally& tally) {
+bool touchesSurface(const FaceWork& work, const Face& face, TouchedSurface& surface_C, Grasp& grasp,
+                    Tally& tally) {
   const StageTimer timer(tally, StageId::contacts);
-  Contacts found = findContacts(face, grasp.triplet, grasp.configuration, work.object_grid_C,
-                                work.object.spacing_m, work.viewpoints_C, work.options.contacts);
+  Contacts found = findContacts(face, grasp.triplet, grasp.configuration, surface_C, work.viewpoints_C);
   if (work.options.contacts.meet_surface && !work.hand.prismatic() && !found.rejection) {
-    found = meetSurface(work.hand, grasp.X_CP, grasp.joints, found, work.object_grid_C, work.object.spacing_m,
-                        work.options.contacts);
+    found = meetSurface(work.hand, grasp.X_CP, grasp.joints, found, surface_C);
     followJoints(work.hand, grasp);
   }
   tally.count(StageId::contacts, 1, !found.rejection);
@@ -157,13 +157,12 @@ bool holdsByForce(const FaceWork& work, const Grasp& grasp, Tally& tally) {
   return holds;
 }
 
-// All points that a hand in any of the configurations could meet, sorted along the approach.
-ApproachColumns columnsOf(const FaceWork& work, const Face& face,
-                          const std::vector<HandConfiguration>& configurations, Tally& tally) {
+// All points that a hand in any of the grasps could meet, sorted along the approach.
+ApproachColumns columnsOf(const FaceWork& work, const Face& face, const std::vector<Grasp>& grasps,
+                          Tally& tally) {
   const StageTimer timer(tally, StageId::clearance);
   Eigen::AlignedBox3d origins_F;
-  for (const HandConfiguration& configuration : configurations)
-    origins_F.extend(configuration.X_FP.translation());
+  for (const Grasp& grasp : grasps) origins_F.extend(grasp.configuration.X_FP.translation());
   return {work.scene_grid_C, face.X_CF, reachableRegion(work.hand, origins_F, work.options.clearance)};
 }
 
@@ -229,21 +228,33 @@ QualityMeasures measure(const FaceWork& work, const Grasp& grasp, const Vector2d
   return qualityMeasures(geometry, work.hand, work.options.depth_model);
 }
 
-std::vector<Grasp> clearGrasps(const FaceWork& work, const Face& face, const std::vector<Triplet>& triplets,
-                               const std::vector<HandConfiguration>& configurations, Tally& tally) {
-  if (configurations.empty()) return {};
-  const ApproachColumns scene_F = columnsOf(work, face, configurations, tally);
+// The grasps of the configurations that hold the object by its surface.
+std::vector<Grasp> holdingGrasps(const FaceWork& work, const Face& face, const std::vector<Triplet>& triplets,
+                                 const std::vector<HandConfiguration>& configurations, Tally& tally) {
+  TouchedSurface surface_C(work.object_grid_C, work.object.spacing_m, work.options.contacts);
   std::vector<Grasp> grasps;
   for (const HandConfiguration& configuration : configurations) {
     work.stop.check();
     Grasp grasp = graspFrom(work, face, triplets[configuration.triplet], configuration);
     addMotion(work, grasp);
-    if (touchesSurface(work, face, grasp, tally) && holdsByForce(work, grasp, tally) &&
-        isClear(work, scene_F, grasp, tally) && isInReach(work, grasp, tally)) {
+    if (touchesSurface(work, face, surface_C, grasp, tally) && holdsByForce(work, grasp, tally))
       grasps.push_back(std::move(grasp));
-    }
   }
   return grasps;
+}
+
+// Those to which the hand can come.
+std::vector<Grasp> clearGrasps(const FaceWork& work, const Face& face, std::vector<Grasp> grasps,
+                               Tally& tally) {
+  if (grasps.empty()) return {};
+  const ApproachColumns scene_F = columnsOf(work, face, grasps, tally);
+  std::vector<Grasp> clear;
+  for (Grasp& grasp : grasps) {
+    work.stop.check();
+    if (isClear(work, scene_F, grasp, tally) && isInReach(work, grasp, tally))
+      clear.push_back(std::move(grasp));
+  }
+  return clear;
 }
 
 }  // namespace
@@ -255,7 +266,8 @@ std::vector<Grasp> graspsOnFace(const FaceWork& work, const Face& face, Tally& t
   std::vector<Triplet> triplets = tripletsOf(work, face, image, regions, tally);
   const std::vector<HandConfiguration> configurations =
       configurationsOf(work, triplets, tally).configurations;
-  std::vector<Grasp> grasps = clearGrasps(work, face, triplets, configurations, tally);
+  std::vector<Grasp> grasps =
+      clearGrasps(work, face, holdingGrasps(work, face, triplets, configurations, tally), tally);
   const Vector2d centroid_F = shapeCentroid(image);
   for (Grasp& grasp : grasps) grasp.quality = measure(work, grasp, centroid_F);
   if (trace) {

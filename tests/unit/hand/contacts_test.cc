@@ -48,8 +48,9 @@ Face faceAt(const Pose& X_CF) {
 
 Contacts contactsOn(const PointCloud& cloud_F, const Planned& plan, double spacing = kSpacing_m,
                     const Viewpoints& viewpoints_F = {}) {
-  return findContacts(faceAt(Pose::Identity()), plan.triplet, plan.configuration, PointGrid(cloud_F, kCell_m),
-                      spacing, viewpoints_F);
+  const PointGrid grid_F(cloud_F, kCell_m);
+  TouchedSurface surface_F(grid_F, spacing);
+  return findContacts(faceAt(Pose::Identity()), plan.triplet, plan.configuration, surface_F, viewpoints_F);
 }
 
 // Planned a little inside or outside of the surface, the contact lies on it, and its normal points to the
@@ -63,8 +64,9 @@ TEST(FindContacts, LieOnTheSurfaceAndPointIntoTheObject) {
     for (int trial = 0; trial < 20; ++trial) {
       const Pose X_CF = test::randomPose(random);
       const PointCloud cloud_C = transformed(cloud_F, X_CF);
-      const Contacts found = findContacts(faceAt(X_CF), plan.triplet, plan.configuration,
-                                          PointGrid(cloud_C, kCell_m), kSpacing_m, {});
+      const PointGrid grid_C(cloud_C, kCell_m);
+      TouchedSurface surface_C(grid_C, kSpacing_m);
+      const Contacts found = findContacts(faceAt(X_CF), plan.triplet, plan.configuration, surface_C, {});
       ASSERT_FALSE(found.rejection);
       for (int finger = 0; finger < 3; ++finger) {
         const int point = plan.configuration.point_of_finger[finger];
@@ -222,12 +224,13 @@ TEST(MeetSurface, ClosesEachFingerUntilItsTipIsOnTheObjectAtItsOwnDepth) {
     const Pose X_CF = test::randomPose(random);
     const PointCloud cloud_C = transformed(vase.cloud(), X_CF);
     const PointGrid grid(cloud_C, kCell_m);
+    TouchedSurface surface(grid, 0.001);
     const Triplet triplet = vase.triplet();
     for (const HandConfiguration& hand_on : findConfigurations(hand, triplet, 0).configurations) {
-      const Contacts outline = findContacts(faceAt(X_CF), triplet, hand_on, grid, 0.001, {});
+      const Contacts outline = findContacts(faceAt(X_CF), triplet, hand_on, surface, {});
       if (outline.rejection) continue;
       HandJoints joints = hand_on.joints;
-      const Contacts found = meetSurface(hand, X_CF * hand_on.X_FP, joints, outline, grid, 0.001);
+      const Contacts found = meetSurface(hand, X_CF * hand_on.X_FP, joints, outline, surface);
       ASSERT_FALSE(found.rejection) << describe(*found.rejection);
       for (int finger = 0; finger < 3; ++finger) {
         const Vector3d contact_F = X_CF.inverse() * found.contacts[finger].p_C;
@@ -250,13 +253,13 @@ TEST(MeetSurface, LeavesContactsThatNobodySawAsTheyAre) {
   const Vase vase{0.035, 0.1};
   const PointCloud cloud_F = vase.cloud();
   const HandConfiguration hand_on = findConfigurations(hand, vase.triplet(), 0).configurations.front();
-  Contacts contacts =
-      findContacts(faceAt(Pose::Identity()), vase.triplet(), hand_on, PointGrid(cloud_F, kCell_m), 0.001, {});
+  const PointGrid grid(cloud_F, kCell_m);
+  TouchedSurface surface(grid, 0.001);
+  Contacts contacts = findContacts(faceAt(Pose::Identity()), vase.triplet(), hand_on, surface, {});
   ASSERT_FALSE(contacts.rejection);
   for (SurfaceContact& contact : contacts.contacts) contact.seen = false;
   HandJoints joints = hand_on.joints;
-  const PointGrid grid(cloud_F, kCell_m);
-  const Contacts same = meetSurface(hand, hand_on.X_FP, joints, contacts, grid, 0.001);
+  const Contacts same = meetSurface(hand, hand_on.X_FP, joints, contacts, surface);
   for (int finger = 0; finger < 3; ++finger) {
     EXPECT_EQ(same.contacts[finger].p_C, contacts.contacts[finger].p_C);
     EXPECT_EQ(joints.inner[finger], hand_on.joints.inner[finger]);
