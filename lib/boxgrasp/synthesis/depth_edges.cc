@@ -13,7 +13,7 @@ namespace {
 constexpr int kBins = 64;  // of the gradient histogram, as Matlab's edge()
 // Coverages 1 and 2 sigma inside a straight border: from the first on there is a gradient, from the second
 // on, with neighbours to compare, there are edges.
-constexpr double kKnown = 0.841, kClear = 0.977;
+constexpr float kKnown = 0.841f, kClear = 0.977f;
 // Gradients that differ by less than this share are equal to rounding.
 constexpr double kEqual = 1e-5;
 // Sigmas to either side of an edge where its step is measured: 4 px for 2.5.
@@ -42,15 +42,17 @@ class Gradient {
         vectors_(depth.total(), Eigen::Vector2f::Zero()),
         magnitudes_(depth.total(), 0.0f) {
     for (int row = 1; row + 1 < depth.rows; ++row) {
+      const float* above = depth.ptr<float>(row - 1);
+      const float* here = depth.ptr<float>(row);
+      const float* below = depth.ptr<float>(row + 1);
+      const float* inside = coverage.ptr<float>(row);
       for (int column = 1; column + 1 < depth.cols; ++column) {
-        const double inside = coverage.at<float>(row, column);
-        if (inside < kKnown) continue;
-        const float dx = depth.at<float>(row, column + 1) - depth.at<float>(row, column - 1);
-        const float dy = depth.at<float>(row + 1, column) - depth.at<float>(row - 1, column);
+        if (inside[column] < kKnown) continue;
         const std::size_t pixel = index(column, row);
-        vectors_[pixel] = 0.5f * Eigen::Vector2f(dx, dy);
+        vectors_[pixel] = {0.5f * (here[column + 1] - here[column - 1]),
+                           0.5f * (below[column] - above[column])};
         magnitudes_[pixel] = vectors_[pixel].norm();
-        if (inside >= kClear) clear_.push_back(pixel);
+        if (inside[column] >= kClear) clear_.push_back(pixel);
       }
     }
   }

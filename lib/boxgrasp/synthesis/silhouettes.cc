@@ -16,7 +16,13 @@ class HalfLevel {
  public:
   explicit HalfLevel(const cv::Mat& coverage) : coverage_(coverage), next_(2 * coverage.total(), -1) {
     for (int row = 0; row + 1 < coverage.rows; ++row) {
-      for (int column = 0; column + 1 < coverage.cols; ++column) linkCell(column, row);
+      const float* here = coverage.ptr<float>(row);
+      const float* below = coverage.ptr<float>(row + 1);
+      for (int column = 0; column + 1 < coverage.cols; ++column) {
+        const int corners = (here[column] > kHalf) + (here[column + 1] > kHalf) + (below[column] > kHalf) +
+                            (below[column + 1] > kHalf);
+        if (corners != 0 && corners != 4) linkCell(column, row);
+      }
     }
   }
 
@@ -37,18 +43,16 @@ class HalfLevel {
   int edgeRight(int column, int row) const { return 2 * (row * coverage_.cols + column); }
   int edgeDown(int column, int row) const { return edgeRight(column, row) + 1; }
 
-  // Links the crossings of one cell of four pixels. Along its border from column to row, the line starts
-  // where the border leaves the material and ends where it enters it: then the material is on the line's
-  // left. Of two lines in a cell, each keeps to the corner that the cell's mean does not join with its
-  // opposite.
+  // Links the crossings of one cell of four pixels, of which some are inside and some not. Along its border
+  // from column to row, the line starts where the border leaves the material and ends where it enters it:
+  // then the material is on the line's left. Of two lines in a cell, each keeps to the corner that the cell's
+  // mean does not join with its opposite.
   void linkCell(int column, int row) {
     const std::array<bool, 4> in{inside(column, row), inside(column + 1, row), inside(column + 1, row + 1),
                                  inside(column, row + 1)};
-    const int corners = in[0] + in[1] + in[2] + in[3];
-    if (corners == 0 || corners == 4) return;
     const std::array<int, 4> edges{edgeRight(column, row), edgeDown(column + 1, row),
                                    edgeRight(column, row + 1), edgeDown(column, row)};
-    const bool saddle = corners == 2 && in[0] == in[2];
+    const bool saddle = in[0] == in[2] && in[1] == in[3];
     const int step = saddle && !meanInside(column, row) ? 3 : 1;
     for (int start = 0; start < 4; ++start) {
       if (!in[start] || in[(start + 1) % 4]) continue;
