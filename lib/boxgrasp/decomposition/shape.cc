@@ -16,7 +16,8 @@ constexpr double kTrusted = 0.8;  // share of the points that residuals are take
 constexpr double kMiddle = 0.8;   // share of a cylinder's length that is sure to be its side
 constexpr double kTukey = 4.685;  // of the weights, in standard deviations
 constexpr double kToDeviation = 1.4826;              // from the median distance
-constexpr int kRounds = 20;                          // of the fit; it has settled long before
+constexpr int kRounds = 20;                          // of the fit at most
+constexpr double kSettled_m = 1e-7;                  // a step so small is the last
 constexpr double kRounding_m = 1e-6;                 // a scale of distances below this is as good as none
 constexpr int kSectors = 36;                         // in which arcs are counted
 constexpr double kLeastSize = 0.4, kMostSize = 1.2;  // diameter in shares of the box's widest extent across
@@ -70,6 +71,7 @@ std::optional<Ball<Dim>> fitBall(const std::vector<typename Ball<Dim>::Point>& p
     const Row step = solver.solve(right);
     ball.center += step.template head<Dim>();
     ball.radius += step[Dim];
+    if (step.norm() < kSettled_m) break;
   }
   return ball.radius > 0 && ball.center.allFinite() ? std::optional(ball) : std::nullopt;
 }
