@@ -1,4 +1,4 @@
-// Whole decompositions of points sampled on parametric objects, on one thread, beside qhull's 3D hull of the
+// Whole decompositions of points sampled on objects, on one thread, beside qhull's 3D hull of the
 // same points. Read the counter `hulls`: the decomposition's time in units of the hull's, both measured in
 // turn in one run; "leaves" counts the boxes found, so that a tree that stops early is not taken for a fast
 // one. plainTreeOf is the same algorithm with every cut tried on all points: the ratio to treeOf at the same
@@ -10,7 +10,7 @@
 #include <string>
 
 #include "boxgrasp/decomposition/decompose.h"
-#include "boxgrasp/objects/parametric.h"
+#include "measured_objects.h"
 #include "qhull_yardstick.h"
 
 namespace boxgrasp {
@@ -22,8 +22,9 @@ double seconds(const std::function<void()>& work) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-void decomposeObject(benchmark::State& state, const std::string& name, const DecompositionOptions& options) {
-  const PointCloud cloud = sampleSurface(parametricObject(name), static_cast<std::size_t>(state.range(0)), 1);
+void decomposeObject(benchmark::State& state, const MeasuredObject& object,
+                     const DecompositionOptions& options) {
+  const PointCloud cloud = sampleSurface(object.mesh(), static_cast<std::size_t>(state.range(0)), 1);
   std::vector<coordT> coordinates = test::qhullCoordinates(cloud);
   std::size_t leaves = 0;
   double tree_s = 0.0, hull_s = 0.0;
@@ -37,35 +38,38 @@ void decomposeObject(benchmark::State& state, const std::string& name, const Dec
   state.counters["hulls"] = tree_s / hull_s;
 }
 
-void treeOf(benchmark::State& state, const std::string& name, GainMeasure gain) {
+void treeOf(benchmark::State& state, const MeasuredObject& object, GainMeasure gain) {
   DecompositionOptions options;
   options.gain = gain;
-  decomposeObject(state, name, options);
+  decomposeObject(state, object, options);
 }
 
-void plainTreeOf(benchmark::State& state, const std::string& name) {
+void plainTreeOf(benchmark::State& state, const MeasuredObject& object) {
   DecompositionOptions options;
   options.exhaustive = true;
-  decomposeObject(state, name, options);
+  decomposeObject(state, object, options);
 }
 
 void measured(benchmark::internal::Benchmark* benchmark) {
   benchmark->ArgName("points")->UseManualTime()->Unit(benchmark::kMillisecond);
 }
 
-void registerTrees() {
-  for (const std::string name : {"bunny", "duck", "mug", "teapot", "toy_dog", "horse", "human"}) {
+void registerTrees(const std::vector<MeasuredObject>& objects) {
+  for (const MeasuredObject& object : objects) {
     for (const auto& [gain, word] :
          {std::pair{GainMeasure::sum, "sum"}, std::pair{GainMeasure::local, "local"}}) {
-      benchmark::RegisterBenchmark(("treeOf/" + name + "/" + word).c_str(), treeOf, name, gain)
+      benchmark::RegisterBenchmark(("treeOf/" + object.name + "/" + word).c_str(), treeOf, object, gain)
           ->Arg(3'000)
           ->Arg(20'000)
           ->Arg(100'000)
           ->Apply(measured);
     }
   }
-  for (const std::string name : {"mug", "toy_dog", "horse"})
-    benchmark::RegisterBenchmark(("plainTreeOf/" + name).c_str(), plainTreeOf, name)
+}
+
+void registerPlainTrees(const std::vector<MeasuredObject>& objects) {
+  for (const MeasuredObject& object : objects)
+    benchmark::RegisterBenchmark(("plainTreeOf/" + object.name).c_str(), plainTreeOf, object)
         ->Arg(3'000)
         ->Apply(measured);
 }
@@ -74,7 +78,10 @@ void registerTrees() {
 }  // namespace boxgrasp
 
 int main(int argc, char** argv) {
-  boxgrasp::registerTrees();
+  using boxgrasp::measuredObjects;
+  boxgrasp::registerTrees(
+      measuredObjects({"bunny", "duck", "mug", "teapot", "toy_dog", "horse", "human"}, argc, argv));
+  boxgrasp::registerPlainTrees(measuredObjects({"mug", "toy_dog", "horse"}, argc, argv));
   benchmark::Initialize(&argc, argv);
   benchmark::RunSpecifiedBenchmarks();
 }

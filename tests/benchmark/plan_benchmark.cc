@@ -3,21 +3,19 @@
 // turn in one run; `boxes`, `grasps`; and where the time goes, the last plan's stages in ms.
 #include <benchmark/benchmark.h>
 
-#include <array>
 #include <chrono>
 #include <span>
 
 #include "boxgrasp/cloud/read_cloud.h"
-#include "boxgrasp/objects/parametric.h"
 #include "boxgrasp/planning/default_model.h"
 #include "boxgrasp/planning/grasp_planner.h"
+#include "measured_objects.h"
 #include "qhull_yardstick.h"
 
 namespace boxgrasp {
 namespace {
 
 constexpr std::size_t kPoints = 100'000;
-constexpr std::array kObjects{"bunny", "duck", "mug", "teapot"};
 
 std::string pcdBytes(const PointCloud& cloud) {
   std::string bytes = "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH " +
@@ -36,9 +34,8 @@ double seconds(const std::function<void()>& work) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-void planBesideHull(benchmark::State& state) {
-  const PointCloud cloud =
-      sampleSurface(parametricObject(kObjects[static_cast<std::size_t>(state.range(0))]), kPoints, 1);
+void planBesideHull(benchmark::State& state, const MeasuredObject& object) {
+  const PointCloud cloud = sampleSurface(object.mesh(), kPoints, 1);
   const std::string bytes = pcdBytes(cloud);
   std::vector<coordT> coordinates = test::qhullCoordinates(cloud);
   PlannerOptions options;
@@ -61,14 +58,18 @@ void planBesideHull(benchmark::State& state) {
       static_cast<double>(result.objects.empty() ? 0 : result.objects.front().tree.leaves().size());
   state.counters["grasps"] = static_cast<double>(result.grasps.size());
   for (const Stage& stage : result.report.stages) state.counters[stage.name + "_ms"] = 1e3 * stage.time_s;
-  state.SetLabel(kObjects[static_cast<std::size_t>(state.range(0))]);
+  state.SetLabel(object.name);
 }
-
-BENCHMARK(planBesideHull)
-    ->DenseRange(0, kObjects.size() - 1)
-    ->ArgName("object")
-    ->UseManualTime()
-    ->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace boxgrasp
+
+int main(int argc, char** argv) {
+  for (const boxgrasp::MeasuredObject& object :
+       boxgrasp::measuredObjects({"bunny", "duck", "mug", "teapot"}, argc, argv))
+    benchmark::RegisterBenchmark(("planBesideHull/" + object.name).c_str(), boxgrasp::planBesideHull, object)
+        ->UseManualTime()
+        ->Unit(benchmark::kMillisecond);
+  benchmark::Initialize(&argc, argv);
+  benchmark::RunSpecifiedBenchmarks();
+}
