@@ -1,5 +1,6 @@
 #include "boxgrasp/wrench/positive_span.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/QR>
 #include <cmath>
 
@@ -60,8 +61,17 @@ class Feasibility {
   Eigen::Matrix<double, 7, Eigen::Dynamic, Eigen::RowMajor> tableau_;
 };
 
+// Clearly so: the pivots of W W^T, which are squares, are far above rounding.
+bool clearlyHasFullRank(const WrenchMatrix& wrenches) {
+  constexpr double kClear = 1e-6;
+  const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> squares(wrenches * wrenches.transpose());
+  const Wrench pivots = squares.vectorD();
+  return pivots.minCoeff() > kClear * pivots.maxCoeff();
+}
+
 bool hasFullRank(const WrenchMatrix& wrenches) {
   if (wrenches.cols() < 7) return false;
+  if (clearlyHasFullRank(wrenches)) return true;
   Eigen::ColPivHouseholderQR<WrenchMatrix> qr(wrenches);
   return qr.setThreshold(tolerance::kWrenchRank).rank() == 6;
 }
