@@ -16,8 +16,8 @@ constexpr double kGrayRange = 254.0;  // from 255 at the face to 1 at the far si
 // Rounds halves away from zero, so that mirrored coordinates give mirrored pixels.
 inline int nearestInteger(double value) { return static_cast<int>(value + std::copysign(0.5, value)); }
 
-// Numbers from -end to end along one axis of the face: of the pixels of n points from the middle of the
-// image. `axis`: three coefficients of the coordinate in the face's frame, and its offset.
+// The pixels of n points, counted from the middle of the image along one axis of the face; what lies beyond
+// the face's end is drawn at its end. `axis`: the coefficients of the coordinate in F, and its offset.
 BOXGRASP_SIMD void placeAlong(const float* x, const float* y, const float* z, std::size_t n,
                               const double* axis, double end_m, double pixel_m, int* pixels) {
   for (std::size_t i = 0; i < n; ++i) {
@@ -27,7 +27,7 @@ BOXGRASP_SIMD void placeAlong(const float* x, const float* y, const float* z, st
   }
 }
 
-// The gray values of n points: 255 at depth 0, 1 at depth_m and beyond.
+// The gray values of n points: 255 at depth 0, 1 at depth_m and beyond. `axis`: as above, of the depth.
 BOXGRASP_SIMD void shade(const float* x, const float* y, const float* z, std::size_t n, const double* axis,
                          double depth_m, int* values) {
   for (std::size_t i = 0; i < n; ++i) {
