@@ -87,6 +87,7 @@ void readValues(const Message& message, const Field& field, std::vector<float>& 
 
 void readCoordinate(const Message& message, const Field& field, std::vector<float>& out) {
   out.resize(message.width * message.height);
+  if (out.empty()) return;  // there may be no bytes to point into
   if (field.datatype == Field::FLOAT64)
     readValues<double, std::uint64_t>(message, field, out);
   else
