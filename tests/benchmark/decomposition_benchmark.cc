@@ -78,10 +78,9 @@ void registerPlainTrees(const std::vector<MeasuredObject>& objects) {
 }  // namespace boxgrasp
 
 int main(int argc, char** argv) {
-  using boxgrasp::measuredObjects;
   boxgrasp::registerTrees(
-      measuredObjects({"bunny", "duck", "mug", "teapot", "toy_dog", "horse", "human"}, argc, argv));
-  boxgrasp::registerPlainTrees(measuredObjects({"mug", "toy_dog", "horse"}, argc, argv));
+      boxgrasp::measuredObjects({"bunny", "duck", "mug", "teapot", "toy_dog", "horse", "human"}, argc, argv));
+  boxgrasp::registerPlainTrees(boxgrasp::parametricObjects({"mug", "toy_dog", "horse"}));
   benchmark::Initialize(&argc, argv);
   benchmark::RunSpecifiedBenchmarks();
 }

@@ -36,13 +36,17 @@ inline std::vector<MeasuredObject> measuredMeshes(const std::filesystem::path& f
   return objects;
 }
 
-// Takes --meshes out of the arguments.
+inline std::vector<MeasuredObject> parametricObjects(const std::vector<std::string>& names) {
+  std::vector<MeasuredObject> objects;
+  for (const std::string& name : names) objects.push_back({name, [name] { return parametricObject(name); }});
+  return objects;
+}
+
+// Parametric objects, and the meshes that the arguments ask for. Takes --meshes out of them.
 inline std::vector<MeasuredObject> measuredObjects(const std::vector<std::string>& parametric, int& argc,
                                                    char** argv) {
   constexpr std::string_view kMeshes = "--meshes=";
-  std::vector<MeasuredObject> objects;
-  for (const std::string& name : parametric)
-    objects.push_back({name, [name] { return parametricObject(name); }});
+  std::vector<MeasuredObject> objects = parametricObjects(parametric);
   int kept = 0;
   for (int i = 0; i < argc; ++i) {
     const std::string_view argument = argv[i];

@@ -99,13 +99,8 @@ class BlockSearch {
 
   // The points around one cell, filled up to whole lanes with points far away, and room for distances.
   struct Block {
-    std::vector<float> x, y, z, squared;
-
-    void clear() {
-      for (auto* values : {&x, &y, &z}) values->clear();
-    }
-    void add(const PointCloud& cloud, std::size_t begin, std::size_t end);
-    void fillUp();
+    PointCloud points;
+    std::vector<float> squared;
   };
 
   bool fillCells(std::size_t first, std::size_t end, NeighbourDistances& distances) const;
@@ -144,30 +139,28 @@ bool BlockSearch::fillCells(std::size_t first, std::size_t end, NeighbourDistanc
   return all;
 }
 
-void BlockSearch::Block::add(const PointCloud& cloud, std::size_t begin, std::size_t end) {
-  for (const auto& [to, from] : {std::pair{&x, &cloud.x}, {&y, &cloud.y}, {&z, &cloud.z}})
-    to->insert(to->end(), from->data() + begin, from->data() + end);
-}
-
-void BlockSearch::Block::fillUp() {
-  constexpr std::size_t kLanes = neighbour_passes::kLanes;
-  const std::size_t size = (x.size() + kLanes - 1) / kLanes * kLanes;
-  for (auto* values : {&x, &y, &z}) values->resize(size, std::numeric_limits<float>::infinity());
-  squared.resize(size);
-}
-
 void BlockSearch::enter(std::size_t cell, NeighbourSweep& sweep, Block& block) const {
-  block.clear();
+  constexpr std::size_t kLanes = neighbour_passes::kLanes;
+  constexpr float kFarAway = std::numeric_limits<float>::infinity();
+  block.points.resize(0);
   sweep.around(cell, [&](std::size_t first, std::size_t last) {
-    block.add(cloud_, cells_.begin[first], cells_.begin[last]);
+    for (const auto axis : {&PointCloud::x, &PointCloud::y, &PointCloud::z}) {
+      const float* from = (cloud_.*axis).data();
+      std::vector<float>& to = block.points.*axis;
+      to.insert(to.end(), from + cells_.begin[first], from + cells_.begin[last]);
+    }
   });
-  block.fillUp();
+  const std::size_t size = (block.points.size() + kLanes - 1) / kLanes * kLanes;
+  for (const auto axis : {&PointCloud::x, &PointCloud::y, &PointCloud::z})
+    (block.points.*axis).resize(size, kFarAway);
+  block.squared.resize(size);
 }
 
 void BlockSearch::fillPoint(std::size_t at, Block& block, double& mean, double& nearest) const {
   const float p[] = {cloud_.x[at], cloud_.y[at], cloud_.z[at]};
   float to_nearest = 0.0f, sum = 0.0f;
-  if (!neighbour_passes::measure(block.x.data(), block.y.data(), block.z.data(), block.x.size(), p,
+  const PointCloud& points = block.points;
+  if (!neighbour_passes::measure(points.x.data(), points.y.data(), points.z.data(), points.size(), p,
                                  static_cast<int>(k_), limit_, block.squared.data(), to_nearest, sum))
     return;
   nearest = to_nearest;

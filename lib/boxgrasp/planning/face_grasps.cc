@@ -236,7 +236,6 @@ std::vector<Grasp> holdingGrasps(const FaceWork& work, const Face& face, const s
   for (const HandConfiguration& configuration : configurations) {
     work.stop.check();
     Grasp grasp = graspFrom(work, face, triplets[configuration.triplet], configuration);
-    addMotion(work, grasp);
     if (touchesSurface(work, face, surface_C, grasp, tally) && holdsByForce(work, grasp, tally))
       grasps.push_back(std::move(grasp));
   }
@@ -251,8 +250,9 @@ std::vector<Grasp> clearGrasps(const FaceWork& work, const Face& face, std::vect
   std::vector<Grasp> clear;
   for (Grasp& grasp : grasps) {
     work.stop.check();
-    if (isClear(work, scene_F, grasp, tally) && isInReach(work, grasp, tally))
-      clear.push_back(std::move(grasp));
+    if (!isClear(work, scene_F, grasp, tally)) continue;
+    addMotion(work, grasp);
+    if (isInReach(work, grasp, tally)) clear.push_back(std::move(grasp));
   }
   return clear;
 }

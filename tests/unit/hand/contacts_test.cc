@@ -53,6 +53,26 @@ Contacts contactsOn(const PointCloud& cloud_F, const Planned& plan, double spaci
   return findContacts(faceAt(Pose::Identity()), plan.triplet, plan.configuration, surface_F, viewpoints_F);
 }
 
+// What one grasp had fitted serves the next, and changes nothing.
+TEST(FindContacts, AreTheSameOnASurfaceThatOthersTouched) {
+  const PointCloud cloud_F = cylinder(0.04, 0.1);
+  const PointGrid grid_F(cloud_F, kCell_m);
+  TouchedSurface shared_F(grid_F, kSpacing_m);
+  for (const double radius : {0.038, 0.040, 0.043}) {
+    for (const double depth : {0.02, 0.03, 0.021, 0.08}) {
+      const Planned plan = planned(radius, depth);
+      const Contacts found =
+          findContacts(faceAt(Pose::Identity()), plan.triplet, plan.configuration, shared_F, {});
+      const Contacts alone = contactsOn(cloud_F, plan);
+      ASSERT_EQ(found.rejection, alone.rejection) << "radius " << radius << ", depth " << depth;
+      for (int finger = 0; finger < 3; ++finger) {
+        EXPECT_EQ(found.contacts[finger].p_C, alone.contacts[finger].p_C) << "finger " << finger;
+        EXPECT_EQ(found.contacts[finger].normal_C, alone.contacts[finger].normal_C) << "finger " << finger;
+      }
+    }
+  }
+}
+
 // Planned a little inside or outside of the surface, the contact lies on it, and its normal points to the
 // axis; the finger's order is the configuration's. In any pose of the cloud.
 TEST(FindContacts, LieOnTheSurfaceAndPointIntoTheObject) {
