@@ -47,34 +47,39 @@ BoxNode nodeOf(const OrientedBox& box, int parent, int depth) {
 
 using Parts = std::array<Part, 2>;
 
-// Where the next point of a side goes.
-struct Place {
-  explicit Place(Part& part)
-      : x(part.points_C.x.data()),
-        y(part.points_C.y.data()),
-        z(part.points_C.z.data()),
-        index(part.indices.data()) {}
+// Appends runs of a node's points to a part that has room for all that come.
+class Filler {
+ public:
+  Filler(const Part& from, Part& to) : from_(from), to_(to) {}
 
-  float *x, *y, *z;
-  std::uint32_t* index;
+  void append(std::size_t begin, std::size_t end) {
+    const std::size_t count = end - begin;
+    std::copy_n(&from_.points_C.x[begin], count, &to_.points_C.x[filled_]);
+    std::copy_n(&from_.points_C.y[begin], count, &to_.points_C.y[filled_]);
+    std::copy_n(&from_.points_C.z[begin], count, &to_.points_C.z[filled_]);
+    std::copy_n(&from_.indices[begin], count, &to_.indices[filled_]);
+    filled_ += count;
+  }
+
+ private:
+  const Part& from_;
+  Part& to_;
+  std::size_t filled_ = 0;
 };
 
 // Both sides of the plane through a line on a face.
 Parts divide(const Part& part, const FaceProjection& face, const Line& line) {
-  const PointCloud& from = part.points_C;
   const std::size_t n = part.indices.size(), first = countFirst(face, line);
   Parts parts;
   for (const std::size_t side : {0, 1}) {
     parts[side].points_C.resize(side == 0 ? first : n - first);
     parts[side].indices.resize(parts[side].points_C.size());
   }
-  std::array<Place, 2> places{Place(parts[0]), Place(parts[1])};
-  for (std::size_t i = 0; i < n; ++i) {
-    Place& next = places[line.isFirst(face.x[i], face.y[i]) ? 0 : 1];
-    *next.x++ = from.x[i];
-    *next.y++ = from.y[i];
-    *next.z++ = from.z[i];
-    *next.index++ = part.indices[i];
+  std::array<Filler, 2> fillers{Filler(part, parts[0]), Filler(part, parts[1])};
+  for (std::size_t begin = 0, end = 0; begin < n; begin = end) {
+    const bool is_first = line.isFirst(face.x[begin], face.y[begin]);
+    while (end < n && line.isFirst(face.x[end], face.y[end]) == is_first) ++end;
+    fillers[is_first ? 0 : 1].append(begin, end);
   }
   return parts;
 }

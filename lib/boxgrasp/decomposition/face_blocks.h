@@ -18,14 +18,33 @@ struct HalfPlane {
 // What all of its half planes have in common.
 using Region = std::vector<HalfPlane>;
 
-// One coordinate of a node's points, padded by the last to whole blocks: runs of points that are neighbours
-// in the node's order. Two of these make a face.
-struct BlockedValues {
+// One coordinate of a node's points in blocks: runs of points that are neighbours in the node's order. Two of
+// these make a face. The coordinates are the owner's.
+class BlockedValues {
+ public:
   BlockedValues() = default;
   explicit BlockedValues(std::span<const float> coordinates);
 
-  std::vector<float> values;
-  BlockRanges ranges;
+  std::span<const float> values() const { return values_; }
+  // The values of a block; the last one is filled up with its last value.
+  const float* block(std::size_t index) const;
+  const BlockRanges& ranges() const { return ranges_; }
+
+ private:
+  std::span<const float> values_;
+  std::vector<float> last_;  // block
+  BlockRanges ranges_;
+};
+
+// Points of a face in whole blocks, as many as there are so far.
+class PointPool {
+ public:
+  void add(const Vector2d& p);
+
+ private:
+  friend class FaceBlocks;
+  std::size_t size_ = 0;
+  std::vector<float> x_, y_;  // padded by the first of the last block
 };
 
 // A point is open when it is in the inside of neither of two regions; one on an edge or nearer to it than the
@@ -40,6 +59,9 @@ class FaceBlocks {
   // The farthest point in a direction.
   Vector2d support(float x, float y) const;
 
+  // For each half plane of a region, the points that are not in its inside.
+  std::vector<std::vector<Vector2d>> pointsBeyond(const Region& region) const;
+
   // Indices of the blocks that may hold an open point.
   std::vector<std::uint32_t> openBlocks(const Region& a, const Region& b) const;
 
@@ -47,11 +69,17 @@ class FaceBlocks {
   void appendOpenPoints(const std::vector<std::uint32_t>& blocks, const Region& a, const Region& b,
                         std::vector<Vector2d>& points) const;
 
+  // Appends the open points of a pool.
+  void appendOpenPoints(const PointPool& pool, const Region& a, const Region& b,
+                        std::vector<Vector2d>& points) const;
+
   // Appends, for each of the blocks, its point nearest to the line on either side.
   void appendNearest(const std::vector<std::uint32_t>& blocks, const Line& line,
                      std::vector<Vector2d>& points) const;
 
  private:
+  // How far a block's bounding rectangle reaches out of a half plane.
+  float reach(std::size_t block, const HalfPlane& plane) const;
   // How far the blocks' bounding rectangles reach out of a region.
   std::vector<float> reachOut(const Region& region) const;
 

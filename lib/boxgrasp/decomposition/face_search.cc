@@ -20,25 +20,40 @@ FaceSearch::FaceSearch(const FaceProjection& face, const BlockedValues& x, const
   cuts_ = cutLines(hull, options);
   arcs_.emplace(std::move(hull));
   bounds_.emplace(*arcs_, cuts_, face_.area, blocks_.spreadPoints(kMostBoundPoints));
-  few_ = blocks_.spreadPoints(kFewSpread);
-  std::sort(few_.begin(), few_.end(), lexicographic);
+  for (const Vector2d& p : blocks_.spreadPoints(kFewSpread)) few_.add(p);
+}
+
+double FaceSearch::theta(const Line& line, const MeasuredLines& measured) {
+  std::optional<Sides> sides = Sides::of(*arcs_, line);
+  if (!sides) return plainTheta(face_, line);
+  std::vector<Vector2d> found;
+  blocks_.appendOpenPoints(few_, sides->firstInside(), sides->secondInside(), found);
+  sides->add(found);
+  const Polygon known_first = sides->first().cap(), known_second = sides->second().cap();
+  const double theta = thetaByFewPoints(*sides, line, measured);
+  remember(sides->first().cap(), known_first);
+  remember(sides->second().cap(), known_second);
+  return theta;
 }
 
 // The points next to the line join the known few, and what the hulls of these leave open is looked at.
-double FaceSearch::theta(const Line& line, const MeasuredLines& measured) const {
-  std::optional<Sides> sides = Sides::of(*arcs_, line);
-  if (!sides) return plainTheta(face_, line);
-  sides->add(few_);
-  if (const double bound = sides->area() / face_.area; !measured.mayWin(bound)) return bound;
+double FaceSearch::thetaByFewPoints(Sides& sides, const Line& line, const MeasuredLines& measured) const {
+  if (const double bound = sides.area() / face_.area; !measured.mayWin(bound)) return bound;
   std::vector<Vector2d> found;
-  blocks_.appendNearest(blocks_.openBlocks(sides->firstInside(), sides->secondInside()), line, found);
-  sides->add(std::move(found));
-  if (const double bound = sides->area() / face_.area; !measured.mayWin(bound)) return bound;
-  const Region first = sides->firstInside(), second = sides->secondInside();
+  blocks_.appendNearest(blocks_.openBlocks(sides.firstInside(), sides.secondInside()), line, found);
+  sides.add(found);
+  if (const double bound = sides.area() / face_.area; !measured.mayWin(bound)) return bound;
+  const Region first = sides.firstInside(), second = sides.secondInside();
   found.clear();
   blocks_.appendOpenPoints(blocks_.openBlocks(first, second), first, second, found);
-  sides->add(std::move(found));
-  return sides->area() / face_.area;
+  sides.add(found);
+  return sides.area() / face_.area;
+}
+
+void FaceSearch::remember(const Polygon& vertices, const Polygon& known) {
+  for (const Vector2d& p : vertices) {
+    if (std::ranges::find(known, p) == known.end()) few_.add(p);
+  }
 }
 
 Polygon FaceSearch::outerHull() const {
@@ -48,9 +63,14 @@ Polygon FaceSearch::outerHull() const {
     points.push_back(
         blocks_.support(static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle))));
   }
-  points = convexHull(std::move(points));
-  const Region inside = insideOf(points);
-  blocks_.appendOpenPoints(blocks_.openBlocks(inside, inside), inside, inside, points);
+  const Polygon guess = convexHull(points);
+  if (guess.size() < 2) return guess;
+  points = guess;
+  std::vector<std::vector<Vector2d>> beyond = blocks_.pointsBeyond(insideOf(guess));
+  for (std::size_t i = 0; i < guess.size(); ++i) {
+    const Polygon hull = hullBeyond(guess[i], guess[(i + 1) % guess.size()], std::move(beyond[i]));
+    points.insert(points.end(), hull.begin(), hull.end());
+  }
   return convexHull(std::move(points));
 }
 

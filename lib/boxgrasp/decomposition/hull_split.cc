@@ -67,7 +67,7 @@ class BestFirst {
   }
 
   void measure(const Bounded& bounded) {
-    const FaceSearch& search = *searches_[bounded.face];
+    FaceSearch& search = *searches_[bounded.face];
     const std::size_t index = search.cuts().index(bounded.block.first_from, bounded.block.first_to);
     const Line& line = search.cuts().lines[index].line;
     measured_.add({search.theta(line, measured_), bounded.face, index}, line);

@@ -5,6 +5,8 @@
 namespace boxgrasp {
 namespace {
 
+constexpr HalfPlane kNowhere{0.0f, 0.0f, -1.0f};
+
 HalfPlane leftOf(const Vector2d& from, const Vector2d& to) {
   const Vector2d along = (to - from).normalized(), outward(along.y(), -along.x());
   return {static_cast<float>(outward.x()), static_cast<float>(outward.y()),
@@ -33,51 +35,64 @@ std::optional<Arc> firstArc(const HullArcs& arcs, const Line& line) {
 
 }  // namespace
 
-bool lexicographic(const Vector2d& a, const Vector2d& b) {
-  return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y());
-}
-
 Region insideOf(const Polygon& polygon) {
-  if (polygon.size() < 3) return {{0.0f, 0.0f, -1.0f}};
   Region region;
   for (std::size_t i = 0; i < polygon.size(); ++i)
     region.push_back(leftOf(polygon[i], polygon[(i + 1) % polygon.size()]));
   return region;
 }
 
-HalfHull::HalfHull(const HullArcs& arcs, const Arc& arc, const HalfPlane& side)
-    : side_(side),
+HalfHull::HalfHull(const HullArcs& arcs, const Arc& arc, const Line& line, bool is_first)
+    : line_(line),
+      is_first_(is_first),
       arc_area_(arcs.area(arc)),
       from_(arcs.at(arc.last)),
-      to_(arcs.at(arc.first)),
-      is_vertex_(arc.first == arc.last) {
-  cap_ = {from_};
-  if (!is_vertex_) cap_.push_back(to_);
+      to_(arcs.at(arc.first)) {}
+
+HalfPlane HalfHull::halfPlane() const {
+  if (is_first_) return {line_.normal_x, line_.normal_y, line_.offset};
+  return {-line_.normal_x, -line_.normal_y, -line_.offset};
 }
 
 void HalfHull::add(const std::vector<Vector2d>& points) {
-  std::vector<Vector2d> beyond;
+  const Vector2d chord = to_ - from_;
+  const bool is_vertex = from_ == to_;
+  std::vector<Vector2d> beyond = cap_;
   for (const Vector2d& p : points) {
-    if (isBeyondChord(p)) beyond.push_back(p);
+    const bool is_beyond = is_vertex ? p != from_ : cross(chord, p - from_) < 0.0;
+    if (is_beyond && isFirst(line_, p) == is_first_) beyond.push_back(p);
   }
-  if (beyond.empty()) return;
-  std::sort(cap_.begin(), cap_.end(), lexicographic);
-  std::vector<Vector2d> all(cap_.size() + beyond.size());
-  std::merge(cap_.begin(), cap_.end(), beyond.begin(), beyond.end(), all.begin(), lexicographic);
-  cap_ = convexHull(std::move(all));
+  if (beyond.size() == cap_.size()) return;
+  if (!is_vertex) {
+    cap_ = hullBeyond(from_, to_, std::move(beyond));
+    return;
+  }
+  const Vector2d outward(halfPlane().normal_x, halfPlane().normal_y);
+  const Vector2d farthest =
+      *std::ranges::max_element(beyond, {}, [&](const Vector2d& p) { return outward.dot(p); });
+  cap_ = hullBeyond(from_, farthest, beyond);
+  cap_.push_back(farthest);
+  const Polygon back = hullBeyond(farthest, to_, std::move(beyond));
+  cap_.insert(cap_.end(), back.begin(), back.end());
 }
+
+Polygon HalfHull::closedCap() const {
+  Polygon closed{from_};
+  closed.insert(closed.end(), cap_.begin(), cap_.end());
+  closed.push_back(to_);
+  return closed;
+}
+
+double HalfHull::area() const { return arc_area_ + signedArea(closedCap()); }
 
 Region HalfHull::inside() const {
   Region region;
-  if (is_vertex_ || cap_.size() < 3) {
-    region = is_vertex_ ? insideOf(cap_) : Region{leftOf(from_, to_)};
-  } else {
-    for (std::size_t i = 0; i < cap_.size(); ++i) {
-      const Vector2d &a = cap_[i], &b = cap_[(i + 1) % cap_.size()];
-      if (a != to_ || b != from_) region.push_back(leftOf(a, b));
-    }
+  if (from_ == to_ && cap_.empty()) region.push_back(kNowhere);
+  const Polygon closed = closedCap();
+  for (std::size_t i = 0; i + 1 < closed.size(); ++i) {
+    if (closed[i] != closed[i + 1]) region.push_back(leftOf(closed[i], closed[i + 1]));
   }
-  region.push_back(side_);
+  region.push_back(halfPlane());
   return region;
 }
 
@@ -85,16 +100,12 @@ std::optional<Sides> Sides::of(const HullArcs& arcs, const Line& line) {
   const std::optional<Arc> first = firstArc(arcs, line);
   if (!first) return std::nullopt;
   const Arc second{arcs.next(first->last), arcs.previous(first->first)};
-  return Sides(line, HalfHull(arcs, *first, {line.normal_x, line.normal_y, line.offset}),
-               HalfHull(arcs, second, {-line.normal_x, -line.normal_y, -line.offset}));
+  return Sides(HalfHull(arcs, *first, line, true), HalfHull(arcs, second, line, false));
 }
 
-void Sides::add(std::vector<Vector2d> points) {
-  if (!std::ranges::is_sorted(points, lexicographic)) std::ranges::sort(points, lexicographic);
-  std::vector<Vector2d> first, second;
-  for (const Vector2d& p : points) (isFirst(line_, p) ? first : second).push_back(p);
-  first_.add(first);
-  second_.add(second);
+void Sides::add(const std::vector<Vector2d>& points) {
+  first_.add(points);
+  second_.add(points);
 }
 
 }  // namespace boxgrasp

@@ -10,33 +10,38 @@
 
 namespace boxgrasp {
 
-bool lexicographic(const Vector2d& a, const Vector2d& b);
-
-// The inside of a counter-clockwise polygon. One without area has no inside.
+// The inside of a counter-clockwise polygon: a half plane an edge. One without area has no inside.
 Region insideOf(const Polygon& polygon);
 
 // The hull of one side: an arc of the hull of all points, and beyond the chord between the arc's ends a cap
-// that points are added to.
+// that grows with the points that are added.
 class HalfHull {
  public:
-  // `side`: the half plane whose points are on this side. The arcs are the owner's.
-  HalfHull(const HullArcs& arcs, const Arc& arc, const HalfPlane& side);
+  // Of the line's first side or its second. The arcs are the owner's.
+  HalfHull(const HullArcs& arcs, const Arc& arc, const Line& line, bool is_first);
 
-  // Adds those of the points of this side that are beyond the chord. Pre: in lexicographic order.
+  // Adds those of the points that are on this side.
   void add(const std::vector<Vector2d>& points);
 
-  double area() const { return arc_area_ + signedArea(cap_); }
+  double area() const;
+
+  // The vertices of the cap, without the ends of the chord.
+  const Polygon& cap() const { return cap_; }
 
   // Where a point of this side would not make the hull grow.
   Region inside() const;
 
  private:
-  bool isBeyondChord(const Vector2d& p) const { return is_vertex_ || cross(to_ - from_, p - from_) < 0.0; }
+  // The cap with the ends of the chord.
+  Polygon closedCap() const;
 
-  HalfPlane side_;
+  // The half plane of this side, the line included.
+  HalfPlane halfPlane() const;
+
+  Line line_;
+  bool is_first_;
   double arc_area_;
-  Vector2d from_, to_;  // the chord, with the arc on its left
-  bool is_vertex_;      // the arc is a vertex and has no chord
+  Vector2d from_, to_;  // the chord, with the arc on its left; both are the same where the arc is a vertex
   Polygon cap_;
 };
 
@@ -46,18 +51,18 @@ class Sides {
   // vertices in two runs: rounding can do that to a line along an edge.
   static std::optional<Sides> of(const HullArcs& arcs, const Line& line);
 
-  // Adds each point to its side.
-  void add(std::vector<Vector2d> points);
+  // Adds each point to its side's hull.
+  void add(const std::vector<Vector2d>& points);
 
   double area() const { return first_.area() + second_.area(); }
+  const HalfHull& first() const { return first_; }
+  const HalfHull& second() const { return second_; }
   Region firstInside() const { return first_.inside(); }
   Region secondInside() const { return second_.inside(); }
 
  private:
-  Sides(const Line& line, HalfHull first, HalfHull second)
-      : line_(line), first_(std::move(first)), second_(std::move(second)) {}
+  Sides(HalfHull first, HalfHull second) : first_(std::move(first)), second_(std::move(second)) {}
 
-  Line line_;
   HalfHull first_, second_;
 };
 

@@ -11,7 +11,7 @@ namespace range_passes {
 
 constexpr std::size_t kLanes = 16;
 
-BOXGRASP_SIMD ValueRange rangeOf(const float* values, std::size_t n) {
+inline ValueRange rangeOf(const float* values, std::size_t n) {
   float low[kLanes], high[kLanes];
   for (std::size_t k = 0; k < kLanes; ++k) low[k] = ValueRange{}.min, high[k] = ValueRange{}.max;
   const std::size_t whole = n - n % kLanes;
@@ -34,20 +34,62 @@ BOXGRASP_SIMD ValueRange rangeOf(const float* values, std::size_t n) {
   return {low[0], high[0]};
 }
 
+BOXGRASP_SIMD void rangeOfAll(const float* values, std::size_t n, ValueRange& range) {
+  range = rangeOf(values, n);
+}
+
+BOXGRASP_SIMD void rangesOfBlocks(const float* values, std::size_t n, std::size_t block, float* middle,
+                                  float* half) {
+  for (std::size_t begin = 0, b = 0; begin < n; begin += block, ++b) {
+    const ValueRange range = rangeOf(values + begin, std::min(block, n - begin));
+    middle[b] = 0.5f * range.min + 0.5f * range.max;
+    half[b] = 0.5f * range.max - 0.5f * range.min;
+  }
+}
+
+// Writes the places of the values above a limit, and returns how many there are; writes to one place more.
+BOXGRASP_SIMD std::size_t placesAbove(const float* values, std::size_t n, float limit,
+                                      std::uint32_t* places) {
+  std::size_t count = 0;
+  const auto look = [&](std::size_t i) {
+    places[count] = static_cast<std::uint32_t>(i);
+    count += values[i] > limit ? 1 : 0;
+  };
+  const std::size_t whole = n - n % kLanes;
+  for (std::size_t i = 0; i < whole; i += kLanes) {
+    std::uint32_t any = 0;
+    for (std::size_t k = 0; k < kLanes; ++k) any |= values[i + k] > limit ? 1u : 0u;
+    if (any == 0) continue;
+    for (std::size_t k = 0; k < kLanes; ++k) look(i + k);
+  }
+  for (std::size_t i = whole; i < n; ++i) look(i);
+  return count;
+}
+
 }  // namespace range_passes
 
 ValueRange rangeOf(std::span<const float> values) {
-  return range_passes::rangeOf(values.data(), values.size());
+  ValueRange range;
+  range_passes::rangeOfAll(values.data(), values.size(), range);
+  return range;
 }
 
 BlockRanges blockRanges(std::span<const float> values, std::size_t block) {
-  BlockRanges ranges;
-  for (std::size_t begin = 0; begin < values.size(); begin += block) {
-    const ValueRange range = rangeOf(values.subspan(begin, std::min(block, values.size() - begin)));
-    ranges.middle.push_back(0.5f * range.min + 0.5f * range.max);
-    ranges.half.push_back(0.5f * range.max - 0.5f * range.min);
-  }
+  const std::size_t count = (values.size() + block - 1) / block;
+  BlockRanges ranges{std::vector<float>(count), std::vector<float>(count)};
+  range_passes::rangesOfBlocks(values.data(), values.size(), block, ranges.middle.data(), ranges.half.data());
   return ranges;
+}
+
+std::size_t placeOf(float value, std::span<const float> values) {
+  const auto found = std::find(values.begin(), values.end(), value);
+  return found == values.end() ? 0 : static_cast<std::size_t>(found - values.begin());
+}
+
+std::vector<std::uint32_t> placesAbove(std::span<const float> values, float limit) {
+  std::vector<std::uint32_t> places(values.size() + 1);
+  places.resize(range_passes::placesAbove(values.data(), values.size(), limit, places.data()));
+  return places;
 }
 
 }  // namespace boxgrasp

@@ -1,6 +1,7 @@
 // The ranges of values and of runs of them: what needs a look at few of many points asks them first.
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <span>
 #include <vector>
@@ -25,5 +26,11 @@ struct BlockRanges {
 // Blocks are `block` values long, the last one perhaps shorter. Pre: the values are finite, and `block` is
 // above 0.
 BlockRanges blockRanges(std::span<const float> values, std::size_t block);
+
+// The first place of a value; 0 if it is nowhere, as where coordinates near the largest float overflow.
+std::size_t placeOf(float value, std::span<const float> values);
+
+// The places of the values above a limit, in ascending order: fast where there are few.
+std::vector<std::uint32_t> placesAbove(std::span<const float> values, float limit);
 
 }  // namespace boxgrasp

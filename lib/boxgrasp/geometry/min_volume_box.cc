@@ -14,7 +14,7 @@ namespace boxgrasp {
 namespace {
 
 constexpr std::size_t kFewPoints = 96;       // a cloud this small is searched as it is
-constexpr std::size_t kSeedDirections = 24;  // of the first outermost points, a multiple of three
+constexpr std::size_t kSeedDirections = 24;  // of the first outermost points
 constexpr std::size_t kChecked = 3;          // orientations compared with the whole cloud in a round
 constexpr int kRounds = 12;                  // smooth shapes need the most
 constexpr int kPasses = 2;                   // the first pass can miss what only its own points reveal
@@ -43,18 +43,16 @@ class OrientationHunt {
     }
   }
 
-  const Matrix3d& axes_C() const { return axes_C_; }
+  // The best box.
+  OrientedBox box() const { return boxAround(supports_C_.ranges(axes_C_), axes_C_); }
   Vector3d mean_C() const { return X_CK_.translation(); }
 
  private:
   PointCloud seeds() const {
-    const std::vector<Vector3d> directions_K = halfSphere(kSeedDirections);
+    std::vector<Vector3d> directions_C = halfSphere(kSeedDirections);
+    for (Vector3d& direction : directions_C) direction = X_CK_.linear() * direction;
     PointCloud found;
-    for (std::size_t i = 0; i + 2 < directions_K.size(); i += 3) {
-      Matrix3d three_K;
-      three_K << directions_K[i], directions_K[i + 1], directions_K[i + 2];
-      supports_C_.append(X_CK_.translation(), X_CK_.linear() * three_K, found);
-    }
+    supports_C_.append(X_CK_.translation(), directions_C, found);
     return found;
   }
 
@@ -65,20 +63,26 @@ class OrientationHunt {
   // Keeps the best box of the whole cloud in the first few of the orientations; returns the points that their
   // faces touch.
   PointCloud measure(const std::vector<Orientation>& orientations) {
-    PointCloud found;
-    for (std::size_t i = 0; i < std::min(kChecked, orientations.size()); ++i) {
+    const std::size_t count = std::min(kChecked, orientations.size());
+    std::vector<Matrix3d> axes_C;
+    std::vector<Vector3d> directions_C;
+    for (std::size_t i = 0; i < count; ++i) {
       const auto rotation = orientations[i].rotation.cast<double>().normalized();
-      const Matrix3d axes_C = X_CK_.linear() * rotation.toRotationMatrix();
-      PointCloud touched;
-      supports_C_.append(X_CK_.translation(), axes_C, touched);
-      const double volume = boxAround(touched, axes_C).volume();
+      axes_C.push_back(X_CK_.linear() * rotation.toRotationMatrix());
+      for (int axis = 0; axis < 3; ++axis) directions_C.push_back(axes_C[i].col(axis));
+    }
+    PointCloud touched;
+    supports_C_.append(X_CK_.translation(), directions_C, touched);
+    for (std::size_t i = 0; i < count; ++i) {
+      PointCloud on_box;
+      for (std::size_t k = 6 * i; k < 6 * (i + 1); ++k) on_box.push(touched.point(k));
+      const double volume = boxAround(on_box, axes_C[i]).volume();
       if (volume < volume_) {
         volume_ = volume;
-        axes_C_ = axes_C;
+        axes_C_ = axes_C[i];
       }
-      for (std::size_t k = 0; k < touched.size(); ++k) found.push(touched.point(k));
     }
-    return found;
+    return touched;
   }
 
   // Adds the points that are not yet among the few; returns whether there were any.
@@ -130,7 +134,7 @@ OrientedBox minVolumeBox(const PointCloud& cloud_C, const MinVolumeBoxOptions& o
   }
   OrientationHunt hunt(cloud_C);
   hunt.run(stop);
-  return ordered(boxAround(cloud_C, hunt.axes_C()), hunt.mean_C());
+  return ordered(hunt.box(), hunt.mean_C());
 }
 
 }  // namespace boxgrasp

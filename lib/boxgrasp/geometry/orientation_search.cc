@@ -4,7 +4,6 @@
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <numbers>
 
@@ -65,20 +64,77 @@ BOXGRASP_SIMD void boxVolumes(const float* px, const float* py, const float* pz,
   }
 }
 
-// Each rotation r becomes r * (1, x, y, z) as a unit quaternion: a turn about its own axes.
-BOXGRASP_SIMD void turn(const Rotations& q, const float* x, const float* y, const float* z,
-                        Rotations& turned) {
+// Unit vectors, one a lane.
+struct Axes {
+  alignas(64) Lane x, y, z;
+};
+
+// Descents side by side: where they are, and the next turn of each.
+struct Places {
+  Rotations rotations;
+  alignas(64) Lane volume, step, sign;
+};
+
+// Each rotation r becomes r * (1, x, y, z) as a unit quaternion: a turn about its own axes, by its step.
+BOXGRASP_SIMD void turn(const Places& places, const Axes& axes, Rotations& turned) {
+  const Rotations& q = places.rotations;
   for (std::size_t k = 0; k < kLanes; ++k) {
-    const float w = q.w[k] - (q.x[k] * x[k] + q.y[k] * y[k] + q.z[k] * z[k]);
-    const float a = q.x[k] + (q.w[k] * x[k] + q.y[k] * z[k] - q.z[k] * y[k]);
-    const float b = q.y[k] + (q.w[k] * y[k] + q.z[k] * x[k] - q.x[k] * z[k]);
-    const float c = q.z[k] + (q.w[k] * z[k] + q.x[k] * y[k] - q.y[k] * x[k]);
+    const float half = 0.5f * places.step[k] * places.sign[k];
+    const float x = axes.x[k] * half, y = axes.y[k] * half, z = axes.z[k] * half;
+    const float w = q.w[k] - (q.x[k] * x + q.y[k] * y + q.z[k] * z);
+    const float a = q.x[k] + (q.w[k] * x + q.y[k] * z - q.z[k] * y);
+    const float b = q.y[k] + (q.w[k] * y + q.z[k] * x - q.x[k] * z);
+    const float c = q.z[k] + (q.w[k] * z + q.x[k] * y - q.y[k] * x);
     const float scale = 1.0f / std::sqrt(w * w + a * a + b * b + c * c);
     turned.w[k] = w * scale;
     turned.x[k] = a * scale;
     turned.y[k] = b * scale;
     turned.z[k] = c * scale;
   }
+}
+
+// Keeps what made a box smaller, by more than rounding. Turns that succeed grow; the first of a pair that
+// fails is tried the other way round, and those that fail both ways shrink.
+BOXGRASP_SIMD void settle(Places& places, const Rotations& next, const float* volumes, bool first_of_pair) {
+  const float failed_step = first_of_pair ? 1.0f : 0.7f, failed_sign = first_of_pair ? -1.0f : 1.0f;
+  Rotations& q = places.rotations;
+  for (std::size_t k = 0; k < kLanes; ++k) {
+    const bool better = volumes[k] < places.volume[k] * (1.0f - 1e-6f);
+    q.w[k] = better ? next.w[k] : q.w[k];
+    q.x[k] = better ? next.x[k] : q.x[k];
+    q.y[k] = better ? next.y[k] : q.y[k];
+    q.z[k] = better ? next.z[k] : q.z[k];
+    places.volume[k] = better ? volumes[k] : places.volume[k];
+    places.step[k] *= better ? 1.6f : failed_step;
+    places.sign[k] = better ? 1.0f : failed_sign;
+  }
+}
+
+// The cosine of half the smallest angle that turns a box of the one orientation into one of the other: of the
+// 24 turns that map a cube on itself the best is known from the sizes of the components.
+inline float alikeness(float aw, float ax, float ay, float az, float bw, float bx, float by, float bz) {
+  const float w = std::abs(aw * bw + ax * bx + ay * by + az * bz);
+  const float x = std::abs(aw * bx - ax * bw - ay * bz + az * by);
+  const float y = std::abs(aw * by + ax * bz - ay * bw - az * bx);
+  const float z = std::abs(aw * bz - ax * by + ay * bx - az * bw);
+  const float high = w > x ? w : x, low = w > x ? x : w;
+  const float other_high = y > z ? y : z, other_low = y > z ? z : y;
+  const float largest = high > other_high ? high : other_high;
+  const float lesser = high > other_high ? other_high : high;
+  const float loser = high > other_high ? low : other_low;
+  const float second = lesser > loser ? lesser : loser;
+  constexpr float kHalfDiagonal = 0.5f * std::numbers::sqrt2_v<float>;
+  const float about_edge = (largest + second) * kHalfDiagonal, about_diagonal = 0.5f * (w + x + y + z);
+  const float best = about_edge > about_diagonal ? about_edge : about_diagonal;
+  return best > largest ? best : largest;
+}
+
+// Whether one of the rotations is more like (w, x, y, z) than a limit.
+BOXGRASP_SIMD bool anyAlike(const Rotations& q, float w, float x, float y, float z, float limit) {
+  int any = 0;
+  for (std::size_t k = 0; k < kLanes; ++k)
+    any |= alikeness(q.w[k], q.x[k], q.y[k], q.z[k], w, x, y, z) > limit ? 1 : 0;
+  return any != 0;
 }
 
 }  // namespace orientation_batch
@@ -90,22 +146,20 @@ using Eigen::Vector3f;
 using orientation_batch::kLanes;
 using orientation_batch::Rotations;
 
-Rotations batchOf(const std::array<Quaternionf, kLanes>& rotations) {
-  Rotations batch;
-  for (std::size_t k = 0; k < kLanes; ++k) {
-    batch.w[k] = rotations[k].w();
-    batch.x[k] = rotations[k].x();
-    batch.y[k] = rotations[k].y();
-    batch.z[k] = rotations[k].z();
-  }
-  return batch;
+void put(const Quaternionf& rotation, std::size_t lane, Rotations& batch) {
+  batch.w[lane] = rotation.w();
+  batch.x[lane] = rotation.x();
+  batch.y[lane] = rotation.y();
+  batch.z[lane] = rotation.z();
 }
 
-std::array<float, kLanes> volumes(const PointCloud& points, const Rotations& rotations) {
-  std::array<float, kLanes> result;
+Quaternionf rotationAt(const Rotations& batch, std::size_t lane) {
+  return {batch.w[lane], batch.x[lane], batch.y[lane], batch.z[lane]};
+}
+
+void measure(const PointCloud& points, const Rotations& rotations, float* volumes) {
   orientation_batch::boxVolumes(points.x.data(), points.y.data(), points.z.data(), points.size(), rotations,
-                                result.data());
-  return result;
+                                volumes);
 }
 
 // A lattice over all orientations of a box, which is the same after quarter turns: in Rodrigues' vectors
@@ -127,6 +181,14 @@ std::vector<Quaternionf> orientationLattice() {
   return lattice;
 }
 
+// Sixteen a batch; the last one is filled up with the last rotation.
+std::vector<Rotations> batches(const std::vector<Quaternionf>& rotations) {
+  std::vector<Rotations> result((rotations.size() + kLanes - 1) / kLanes);
+  for (std::size_t i = 0; i < result.size() * kLanes; ++i)
+    put(rotations[std::min(i, rotations.size() - 1)], i % kLanes, result[i / kLanes]);
+  return result;
+}
+
 // Unit vectors in all directions, in an order in which any few in a row are well spread.
 std::vector<Vector3f> turnAxes() {
   std::vector<Vector3f> axes;
@@ -140,19 +202,21 @@ std::vector<Vector3f> turnAxes() {
   return axes;
 }
 
-// The cosine of half the smallest angle that turns a box of the one orientation into one of the other: of the
-// 24 turns that map a cube on itself the best is known from the sizes of the components.
-float alikeness(const Quaternionf& a, const Quaternionf& b) {
-  const float w = a.w() * b.w() + a.x() * b.x() + a.y() * b.y() + a.z() * b.z();
-  const float x = std::abs(a.w() * b.x() - a.x() * b.w() - a.y() * b.z() + a.z() * b.y());
-  const float y = std::abs(a.w() * b.y() + a.x() * b.z() - a.y() * b.w() - a.z() * b.x());
-  const float z = std::abs(a.w() * b.z() - a.x() * b.y() + a.y() * b.x() - a.z() * b.w());
-  const float high = std::max(std::abs(w), x), low = std::min(std::abs(w), x);
-  const float other_high = std::max(y, z), other_low = std::min(y, z);
-  const float largest = std::max(high, other_high);
-  const float second = std::max(std::min(high, other_high), high > other_high ? low : other_low);
-  constexpr float kHalfDiagonal = 0.5f * std::numbers::sqrt2_v<float>;
-  return std::max({largest, (largest + second) * kHalfDiagonal, 0.5f * (std::abs(w) + x + y + z)});
+constexpr int kMostTrials = 100;
+
+// The axes of each pair of trials, another one in each lane.
+std::vector<orientation_batch::Axes> axesOfTrials() {
+  const std::vector<Vector3f> axes = turnAxes();
+  std::vector<orientation_batch::Axes> result(kMostTrials / 2);
+  for (std::size_t pair = 0; pair < result.size(); ++pair) {
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      const Vector3f& axis = axes[(pair + 31 * k) % axes.size()];
+      result[pair].x[k] = axis.x();
+      result[pair].y[k] = axis.y();
+      result[pair].z[k] = axis.z();
+    }
+  }
+  return result;
 }
 
 constexpr float kNeighbours = 0.9962f;  // 10 degrees, a little more than a step of the lattice
@@ -160,91 +224,89 @@ constexpr float kSame = 0.99988f;       // 2 degrees: two descents that ended in
 
 bool smaller(const Orientation& a, const Orientation& b) { return a.volume < b.volume; }
 
+// Orientations that are to differ from each other.
+class Kept {
+ public:
+  // Keeps an orientation if none that was kept is like it.
+  void offer(const Orientation& next, float alike) {
+    const Quaternionf& q = next.rotation;
+    for (const Rotations& batch : batches_) {
+      if (orientation_batch::anyAlike(batch, q.w(), q.x(), q.y(), q.z(), alike)) return;
+    }
+    if (kept_.size() % kLanes == 0) batches_.push_back({});  // rotations of zeros are not like any
+    put(q, kept_.size() % kLanes, batches_.back());
+    kept_.push_back(next);
+  }
+
+  const std::vector<Orientation>& orientations() const { return kept_; }
+
+ private:
+  std::vector<Rotations> batches_;
+  std::vector<Orientation> kept_;
+};
+
 // The first `count` orientations, best first, that are not alike; of equals the first.
 std::vector<Orientation> distinct(const std::vector<Orientation>& orientations, std::size_t count,
                                   float alike) {
-  std::vector<std::pair<float, std::size_t>> left;
-  for (std::size_t i = 0; i < orientations.size(); ++i) left.emplace_back(orientations[i].volume, i);
-  std::make_heap(left.begin(), left.end(), std::greater{});
-  std::vector<Orientation> kept;
-  for (; !left.empty() && kept.size() < count; left.pop_back()) {
-    std::pop_heap(left.begin(), left.end(), std::greater{});
-    const Orientation& next = orientations[left.back().second];
-    const auto same = [&](const Orientation& other) {
-      return alikeness(next.rotation, other.rotation) > alike;
-    };
-    if (std::none_of(kept.begin(), kept.end(), same)) kept.push_back(next);
+  std::vector<std::pair<float, std::size_t>> order;
+  order.reserve(orientations.size());
+  for (std::size_t i = 0; i < orientations.size(); ++i) order.emplace_back(orientations[i].volume, i);
+  Kept kept;
+  auto sorted = order.begin();
+  for (auto next = sorted; next != order.end() && kept.orientations().size() < count; ++next) {
+    if (next == sorted) {  // most orientations are never looked at, so a few at a time are put in order
+      sorted += std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(4 * count), order.end() - next);
+      if (sorted != order.end()) std::nth_element(next, sorted, order.end());
+      std::sort(next, sorted);
+    }
+    kept.offer(orientations[next->second], alike);
   }
-  return kept;
+  return kept.orientations();
 }
 
-std::vector<Orientation> measured(const PointCloud& points, const std::vector<Quaternionf>& rotations) {
-  std::vector<Orientation> result;
-  for (std::size_t begin = 0; begin < rotations.size(); begin += kLanes) {
-    std::array<Quaternionf, kLanes> batch;
-    for (std::size_t k = 0; k < kLanes; ++k) batch[k] = rotations[std::min(begin + k, rotations.size() - 1)];
-    const auto volume = volumes(points, batchOf(batch));
-    for (std::size_t k = 0; k < kLanes && begin + k < rotations.size(); ++k)
-      result.push_back({batch[k], volume[k]});
+std::vector<Orientation> measured(const PointCloud& points, const std::vector<Rotations>& rotations,
+                                  std::size_t count) {
+  std::vector<Orientation> result(count);
+  alignas(64) orientation_batch::Lane volumes;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i % kLanes == 0) measure(points, rotations[i / kLanes], volumes);
+    result[i] = {rotationAt(rotations[i / kLanes], i % kLanes), volumes[i % kLanes]};
   }
   return result;
 }
 
 // Descents side by side, one a lane: a random turn is kept when it makes the box smaller, else its opposite
-// is tried. Turns that succeed grow, those that fail both ways shrink.
+// is tried.
 class Descents {
  public:
-  Descents(const PointCloud& points, const std::array<Quaternionf, kLanes>& starts, float step)
-      : points_(points), rotations_(batchOf(starts)), volume_(volumes(points, rotations_)) {
-    step_.fill(step);
-    sign_.fill(1.0f);
+  Descents(const PointCloud& points, const Rotations& starts, float step) : points_(points) {
+    places_.rotations = starts;
+    measure(points, starts, places_.volume);
+    std::fill_n(places_.step, kLanes, step);
+    std::fill_n(places_.sign, kLanes, 1.0f);
   }
 
+  // Pre: trial is below kMostTrials.
   void advance(int trial) {
-    static const std::vector<Vector3f> axes = turnAxes();
-    orientation_batch::Lane x, y, z;
-    for (std::size_t k = 0; k < kLanes; ++k) {
-      const Vector3f& axis = axes[(static_cast<std::size_t>(trial / 2) + 31 * k) % axes.size()];
-      const float half = 0.5f * step_[k] * sign_[k];
-      x[k] = axis.x() * half;
-      y[k] = axis.y() * half;
-      z[k] = axis.z() * half;
-    }
+    static const std::vector<orientation_batch::Axes> axes = axesOfTrials();
     Rotations next;
-    orientation_batch::turn(rotations_, x, y, z, next);
-    const auto volume = volumes(points_, next);
-    for (std::size_t k = 0; k < kLanes; ++k) settle(k, next, volume[k], trial % 2 == 0);
+    orientation_batch::turn(places_, axes[static_cast<std::size_t>(trial / 2)], next);
+    alignas(64) orientation_batch::Lane volumes;
+    measure(points_, next, volumes);
+    orientation_batch::settle(places_, next, volumes, trial % 2 == 0);
   }
 
-  Orientation at(std::size_t k) const {
-    return {{rotations_.w[k], rotations_.x[k], rotations_.y[k], rotations_.z[k]}, volume_[k]};
-  }
+  Orientation at(std::size_t k) const { return {rotationAt(places_.rotations, k), places_.volume[k]}; }
 
  private:
-  void settle(std::size_t k, const Rotations& next, float volume, bool first_of_pair) {
-    const bool better = volume < volume_[k] * (1.0f - 1e-6f);  // by more than rounding
-    if (better) {
-      rotations_.w[k] = next.w[k];
-      rotations_.x[k] = next.x[k];
-      rotations_.y[k] = next.y[k];
-      rotations_.z[k] = next.z[k];
-      volume_[k] = volume;
-      step_[k] *= 1.6f;
-    } else if (!first_of_pair) {
-      step_[k] *= 0.7f;
-    }
-    sign_[k] = first_of_pair && !better ? -1.0f : 1.0f;
-  }
-
   const PointCloud& points_;
-  Rotations rotations_;
-  std::array<float, kLanes> volume_, step_, sign_;
+  orientation_batch::Places places_;
 };
 
 // Descends from up to kLanes orientations; spare lanes search from the same places by other turns.
 void descendFrom(const PointCloud& points, Orientation* first, std::size_t count, float step, int trials) {
-  std::array<Quaternionf, kLanes> starts;
-  for (std::size_t k = 0; k < kLanes; ++k) starts[k] = first[k % count].rotation;
+  Rotations starts;
+  for (std::size_t k = 0; k < kLanes; ++k) put(first[k % count].rotation, k, starts);
   Descents descents(points, starts, step);
   for (int trial = 0; trial < trials; ++trial) descents.advance(trial);
   for (std::size_t k = 0; k < count; ++k) first[k] = descents.at(k);
@@ -264,7 +326,7 @@ void snap(const PointCloud& points, Orientation& orientation) {
   for (int edge = 0; edge < 3; ++edge) {
     const Vector3d direction = orientation.rotation.toRotationMatrix().col(edge).cast<double>();
     const Eigen::Matrix3f axes = smallestBoxAxes(points, direction).cast<float>();
-    const Orientation turned = measured(points, {Quaternionf(axes).normalized()})[0];
+    const Orientation turned = measured(points, batches({Quaternionf(axes).normalized()}), 1)[0];
     orientation = std::min(orientation, turned, smaller);
   }
 }
@@ -286,8 +348,10 @@ Matrix3d smallestBoxAxes(const PointCloud& points, const Vector3d& edge) {
 
 std::vector<Orientation> searchOrientations(const PointCloud& points) {
   static const std::vector<Quaternionf> lattice = orientationLattice();
-  std::vector<Orientation> starts = distinct(measured(points, lattice), 3 * kLanes, kNeighbours);
-  descend(points, starts, 0.1f, 100);
+  static const std::vector<Rotations> lattice_batches = batches(lattice);
+  std::vector<Orientation> starts =
+      distinct(measured(points, lattice_batches, lattice.size()), 3 * kLanes, kNeighbours);
+  descend(points, starts, 0.1f, kMostTrials);
   std::vector<Orientation> best = distinct(starts, kLanes / 2, kSame);
   descend(points, best, 0.01f, 40);
   std::stable_sort(best.begin(), best.end(), smaller);

@@ -22,7 +22,10 @@ std::array<Vector3d, 8> OrientedBox::corners() const {
 
 OrientedBox boxAround(const PointCloud& cloud_C, const Matrix3d& axes_C) {
   assert(!cloud_C.empty());
-  const AxisRanges ranges = rangesAlong(cloud_C, axes_C);
+  return boxAround(rangesAlong(cloud_C, axes_C), axes_C);
+}
+
+OrientedBox boxAround(const AxisRanges& ranges, const Matrix3d& axes_C) {
   OrientedBox box;
   box.X_CB = makePose(axes_C, axes_C * (0.5 * (ranges.min + ranges.max)));
   box.extents = (ranges.max - ranges.min).cwiseMax(tolerance::kFlatExtent);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <limits>
 
 #include "boxgrasp/base/simd.h"
 #include "boxgrasp/geometry/block_ranges.h"
@@ -12,11 +11,6 @@ namespace boxgrasp {
 namespace point_cloud_passes {
 
 constexpr std::size_t kLanes = 32;
-
-struct Interval {
-  double min = std::numeric_limits<double>::infinity();
-  double max = -std::numeric_limits<double>::infinity();
-};
 
 // Smallest and largest dot product of a point with (a, b, c).
 BOXGRASP_SIMD Interval rangeAlong(const float* x, const float* y, const float* z, std::size_t n, double a,
@@ -110,11 +104,15 @@ Eigen::AlignedBox3d bounds(const PointCloud& cloud) {
   return {Vector3d(x.min, y.min, z.min), Vector3d(x.max, y.max, z.max)};
 }
 
+Interval rangeAlong(const PointCloud& cloud, std::size_t begin, std::size_t end, const Vector3d& direction) {
+  return point_cloud_passes::rangeAlong(&cloud.x[begin], &cloud.y[begin], &cloud.z[begin], end - begin,
+                                        direction.x(), direction.y(), direction.z());
+}
+
 AxisRanges rangesAlong(const PointCloud& cloud, const Matrix3d& axes) {
   AxisRanges ranges;
   for (int i = 0; i < 3; ++i) {
-    const auto range = point_cloud_passes::rangeAlong(cloud.x.data(), cloud.y.data(), cloud.z.data(),
-                                                      cloud.size(), axes(0, i), axes(1, i), axes(2, i));
+    const Interval range = rangeAlong(cloud, 0, cloud.size(), axes.col(i));
     ranges.min[i] = range.min;
     ranges.max[i] = range.max;
   }

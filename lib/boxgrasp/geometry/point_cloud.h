@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "boxgrasp/geometry/pose.h"
@@ -35,6 +36,13 @@ PointCloud transformed(const PointCloud& cloud_A, const Pose& X_BA);
 
 // The axis-aligned bounds; an empty box (isEmpty()) for an empty cloud.
 Eigen::AlignedBox3d bounds(const PointCloud& cloud);
+
+// The smallest and the largest dot product of the points from `begin` to before `end` with a direction.
+struct Interval {
+  double min = std::numeric_limits<double>::infinity();
+  double max = -std::numeric_limits<double>::infinity();
+};
+Interval rangeAlong(const PointCloud& cloud, std::size_t begin, std::size_t end, const Vector3d& direction);
 
 // The smallest and the largest dot product of any point with each of three directions (columns of `axes`).
 struct AxisRanges {

@@ -26,6 +26,29 @@ void extend(Polygon& chain, std::size_t fixed, const Vector2d& p, double roundin
   chain.push_back(p);
 }
 
+// Moves the points beyond the way from a to b to the front, and returns their end.
+Vector2d* partitionBeyond(const Vector2d& a, const Vector2d& b, Vector2d* first, Vector2d* last) {
+  const Vector2d along = b - a;
+  return std::partition(first, last, [&](const Vector2d& p) { return cross(along, p - a) < 0.0; });
+}
+
+// Pre: the points are beyond the way from a to b.
+void appendBeyond(const Vector2d& a, const Vector2d& b, Vector2d* first, Vector2d* last, Polygon& hull) {
+  if (first == last) return;
+  const Vector2d along = b - a;
+  Vector2d farthest = *first;
+  double most = cross(along, farthest - a);
+  for (const Vector2d* p = first + 1; p != last; ++p) {
+    const double value = cross(along, *p - a);
+    if (value < most) most = value, farthest = *p;
+  }
+  Vector2d* const beyond_first = partitionBeyond(a, farthest, first, last);
+  Vector2d* const beyond_second = partitionBeyond(farthest, b, beyond_first, last);
+  appendBeyond(a, farthest, first, beyond_first, hull);
+  hull.push_back(farthest);
+  appendBeyond(farthest, b, beyond_first, beyond_second, hull);
+}
+
 struct Extremes {
   std::size_t right = 0, top = 0, left = 0;  // farthest along an edge, square to it, and against it
 };
@@ -74,6 +97,14 @@ Polygon convexHull(std::vector<Vector2d> points) {
   const std::size_t lower = hull.size();
   for (auto p = points.rbegin() + 1; p != points.rend(); ++p) extend(hull, lower, *p, rounding);
   hull.pop_back();
+  return hull;
+}
+
+Polygon hullBeyond(const Vector2d& a, const Vector2d& b, std::vector<Vector2d> points) {
+  assert(a != b);
+  Polygon hull;
+  Vector2d* const first = points.data();
+  appendBeyond(a, b, first, partitionBeyond(a, b, first, first + points.size()), hull);
   return hull;
 }
 

@@ -17,6 +17,11 @@ inline double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y()
 // coincident or collinear. O(n log n).
 Polygon convexHull(std::vector<Vector2d> points);
 
+// The vertices of the hull of a, b and the points beyond the way from a to b (on its right), from a to b in
+// counter-clockwise order and without these two (quickhull). One that is collinear with its neighbours may be
+// among them. Pre: a != b. O(n log n) for points in no particular order.
+Polygon hullBeyond(const Vector2d& a, const Vector2d& b, std::vector<Vector2d> points);
+
 // Positive for counter-clockwise order; 0 for fewer than three vertices.
 double signedArea(const Polygon& polygon);
 

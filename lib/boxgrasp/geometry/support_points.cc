@@ -60,9 +60,10 @@ BOXGRASP_SIMD void valuesOf(const float* px, const float* py, const float* pz, s
   for (std::size_t i = 0; i < n; ++i) values[i] = valueAlong(axis, px[i], py[i], pz[i]);
 }
 
-// The least and the largest value that a point of each block can have, but for rounding.
-BOXGRASP_SIMD void boundBlocks(const float* const* middle, const float* const* half, std::size_t blocks,
-                               const Axis& along, float* low, float* high) {
+// The least and the largest value that a point of each block can have, but for rounding; returns the least
+// and the largest of these.
+BOXGRASP_SIMD ValueRange boundBlocks(const float* const* middle, const float* const* half, std::size_t blocks,
+                                     const Axis& along, float* low, float* high) {
   const Axis axis = along;
   const float *const half_x = half[0], *const half_y = half[1], *const half_z = half[2];
   for (std::size_t b = 0; b < blocks; ++b) {
@@ -71,6 +72,23 @@ BOXGRASP_SIMD void boundBlocks(const float* const* middle, const float* const* h
                         std::abs(axis.direction[2]) * half_z[b];
     low[b] = value - reach;
     high[b] = value + reach;
+  }
+  float least[kLanes], largest[kLanes];
+  for (std::size_t k = 0; k < kLanes; ++k) least[k] = kInfinity, largest[k] = -kInfinity;
+  for (std::size_t b = 0; b < blocks; ++b) {
+    float &below = least[b % kLanes], &above = largest[b % kLanes];
+    below = low[b] < below ? low[b] : below;
+    above = high[b] > above ? high[b] : above;
+  }
+  return {*std::min_element(least, least + kLanes), *std::max_element(largest, largest + kLanes)};
+}
+
+// How far the values of each block can reach out of a range.
+BOXGRASP_SIMD void reachOut(const float* low, const float* high, std::size_t blocks, ValueRange range,
+                            float* reach) {
+  for (std::size_t b = 0; b < blocks; ++b) {
+    const float above = high[b] - range.max, below = range.min - low[b];
+    reach[b] = above > below ? above : below;
   }
 }
 
@@ -105,38 +123,48 @@ void append(const Smallest& smallest, PointCloud& found) {
   found.push({x, y, z});
 }
 
-// The search along one axis; blocks may be looked at in any order, some not at all.
+// The search along one axis. Blocks that cannot hold an outermost point are not looked at.
 class Extremes {
  public:
-  Extremes(const PointCloud& cloud, const Axis& axis, std::size_t blocks)
-      : cloud_(cloud), axis_(axis), low_(blocks), high_(blocks), ranges_(blocks) {}
-
-  void bound(const std::array<const float*, 3>& middle, const std::array<const float*, 3>& half,
-             float margin) {
-    support_passes::boundBlocks(middle.data(), half.data(), ranges_.size(), axis_, low_.data(), high_.data());
-    margin_ = margin;
-    look(static_cast<std::size_t>(std::min_element(low_.begin(), low_.end()) - low_.begin()));
-    look(static_cast<std::size_t>(std::max_element(high_.begin(), high_.end()) - high_.begin()));
+  // Values may be wrong by a third of the margin.
+  Extremes(const PointCloud& cloud, const std::array<BlockRanges, 3>& coordinates, const Axis& axis,
+           float margin)
+      : cloud_(cloud), axis_(axis), margin_(margin) {
+    const auto& [x, y, z] = coordinates;
+    const std::array middle{x.middle.data(), y.middle.data(), z.middle.data()};
+    const std::array half{x.half.data(), y.half.data(), z.half.data()};
+    const std::size_t blocks = x.size();
+    low_.resize(blocks);
+    high_.resize(blocks);
+    const ValueRange bound =
+        support_passes::boundBlocks(middle.data(), half.data(), blocks, axis_, low_.data(), high_.data());
+    const std::size_t lowest = placeOf(bound.min, low_), highest = placeOf(bound.max, high_);
+    look(lowest);
+    look(highest);
+    std::vector<float> reach(blocks);
+    support_passes::reachOut(low_.data(), high_.data(), blocks, all_, reach.data());
+    open_ = placesAbove(reach, -margin);
+    std::erase_if(open_, [&](std::uint32_t block) { return block == lowest || block == highest; });
   }
 
-  // Whether the block can hold an outermost point.
-  bool matters(std::size_t block) const {
-    return !(low_[block] - margin_ > all_.min && high_[block] + margin_ < all_.max);
+  // Looks where it must among the blocks before `end` that it did not pass yet.
+  void lookBefore(std::size_t end) {
+    for (; next_ < open_.size() && open_[next_] < end; ++next_) {
+      const std::uint32_t block = open_[next_];
+      if (low_[block] - margin_ <= all_.min || high_[block] + margin_ >= all_.max) look(block);
+    }
   }
 
-  void look(std::size_t block) {
-    const std::size_t begin = block * kBlock;
-    const ValueRange range = support_passes::rangeAlong(&cloud_.x[begin], &cloud_.y[begin], &cloud_.z[begin],
-                                                        sizeOf(block), axis_);
-    ranges_[block] = range;
-    all_.min = std::min(all_.min, range.min);
-    all_.max = std::max(all_.max, range.max);
+  // Calls the function with the beginning and the end of each block that was looked at.
+  template <typename Function>
+  void forEachBlock(const Function& function) const {
+    for (const auto& [block, range] : looked_at_) function(block * kBlock, block * kBlock + sizeOf(block));
   }
 
   void append(PointCloud& found) const {
     Smallest lowest, highest;
-    for (std::size_t b = 0; b < ranges_.size(); ++b) {
-      if (ranges_[b].min == all_.min || ranges_[b].max == all_.max) show(b, lowest, highest);
+    for (const auto& [block, range] : looked_at_) {
+      if (range.min == all_.min || range.max == all_.max) show(block, lowest, highest);
     }
     boxgrasp::append(lowest, found);
     boxgrasp::append(highest, found);
@@ -144,6 +172,15 @@ class Extremes {
 
  private:
   std::size_t sizeOf(std::size_t block) const { return std::min(kBlock, cloud_.size() - block * kBlock); }
+
+  void look(std::size_t block) {
+    const std::size_t begin = block * kBlock;
+    const ValueRange range = support_passes::rangeAlong(&cloud_.x[begin], &cloud_.y[begin], &cloud_.z[begin],
+                                                        sizeOf(block), axis_);
+    looked_at_.emplace_back(block, range);
+    all_.min = std::min(all_.min, range.min);
+    all_.max = std::max(all_.max, range.max);
+  }
 
   void show(std::size_t block, Smallest& lowest, Smallest& highest) const {
     const std::size_t begin = block * kBlock, n = sizeOf(block);
@@ -158,41 +195,61 @@ class Extremes {
 
   const PointCloud& cloud_;
   Axis axis_;
-  float margin_ = 0.0f;
-  std::vector<float> low_, high_;   // bounds
-  std::vector<ValueRange> ranges_;  // of the blocks that were looked at
+  float margin_;
+  std::vector<float> low_, high_;                              // bounds of the blocks
+  std::vector<std::uint32_t> open_;                            // blocks that may matter
+  std::size_t next_ = 0;                                       // in open_
+  std::vector<std::pair<std::size_t, ValueRange>> looked_at_;  // blocks
   ValueRange all_;
 };
+
+// All axes look at a run of blocks before any goes on, so that points are in the cache for all but the first.
+void lookAtAll(std::vector<Extremes>& axes, std::size_t blocks) {
+  constexpr std::size_t kRun = 16;
+  for (std::size_t end = kRun; end < blocks + kRun; end += kRun) {
+    for (Extremes& axis : axes) axis.lookBefore(end);
+  }
+}
 
 }  // namespace
 
 SupportPoints::SupportPoints(const PointCloud& cloud)
     : cloud_(cloud),
-      x_(blockRanges(cloud.x, kBlock)),
-      y_(blockRanges(cloud.y, kBlock)),
-      z_(blockRanges(cloud.z, kBlock)) {
+      coordinates_{blockRanges(cloud.x, kBlock), blockRanges(cloud.y, kBlock), blockRanges(cloud.z, kBlock)} {
   assert(!cloud.empty());
-  for (const BlockRanges* ranges : {&x_, &y_, &z_}) {
-    for (std::size_t b = 0; b < ranges->size(); ++b)
-      reach_ = std::max(reach_, static_cast<double>(std::abs(ranges->middle[b]) + ranges->half[b]));
+  for (const BlockRanges& ranges : coordinates_) {
+    for (std::size_t b = 0; b < ranges.size(); ++b)
+      reach_ = std::max(reach_, static_cast<double>(std::abs(ranges.middle[b]) + ranges.half[b]));
   }
 }
 
-void SupportPoints::append(const Vector3d& origin, const Matrix3d& directions, PointCloud& found) const {
-  const std::array middle{x_.middle.data(), y_.middle.data(), z_.middle.data()};
-  const std::array half{x_.half.data(), y_.half.data(), z_.half.data()};
+void SupportPoints::append(const Vector3d& origin, const std::vector<Vector3d>& directions,
+                           PointCloud& found) const {
   const auto margin = static_cast<float>(kRounding * (reach_ + origin.lpNorm<1>()));
   std::vector<Extremes> axes;
-  for (int i = 0; i < 3; ++i) {
-    axes.emplace_back(cloud_, axisOf(origin, directions.col(i)), x_.size());
-    axes.back().bound(middle, half, margin);
-  }
-  for (std::size_t b = 0; b < x_.size(); ++b) {
-    for (Extremes& axis : axes) {
-      if (axis.matters(b)) axis.look(b);
-    }
-  }
+  axes.reserve(directions.size());
+  for (const Vector3d& direction : directions)
+    axes.emplace_back(cloud_, coordinates_, axisOf(origin, direction), margin);
+  lookAtAll(axes, coordinates_[0].size());
   for (const Extremes& axis : axes) axis.append(found);
+}
+
+AxisRanges SupportPoints::ranges(const Matrix3d& axes) const {
+  const auto margin = static_cast<float>(2.0 * kRounding * reach_);  // the axes themselves are rounded, too
+  AxisRanges ranges;
+  for (int i = 0; i < 3; ++i) {
+    Extremes extremes(cloud_, coordinates_, axisOf({0, 0, 0}, axes.col(i)), margin);
+    extremes.lookBefore(coordinates_[0].size());
+    Interval all;
+    extremes.forEachBlock([&](std::size_t begin, std::size_t end) {
+      const Interval range = rangeAlong(cloud_, begin, end, axes.col(i));
+      all.min = std::min(all.min, range.min);
+      all.max = std::max(all.max, range.max);
+    });
+    ranges.min[i] = all.min;
+    ranges.max[i] = all.max;
+  }
+  return ranges;
 }
 
 }  // namespace boxgrasp

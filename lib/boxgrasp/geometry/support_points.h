@@ -1,6 +1,8 @@
 // The outermost points of a cloud. Part of minVolumeBox.
 #pragma once
 
+#include <array>
+
 #include "boxgrasp/geometry/block_ranges.h"
 #include "boxgrasp/geometry/point_cloud.h"
 
@@ -13,14 +15,17 @@ class SupportPoints {
   // Pre: the cloud is finite and not empty.
   explicit SupportPoints(const PointCloud& cloud);
 
-  // Appends to `found` the points of the cloud that are lowest and highest along each of the three directions
-  // (columns), measured from `origin` in single precision. Of equal points the one with the smallest
-  // coordinates is taken, so the order of the cloud does not matter.
-  void append(const Vector3d& origin, const Matrix3d& directions, PointCloud& found) const;
+  // Appends to `found` the points of the cloud that are lowest and highest along each of the directions,
+  // measured from `origin` in single precision. Of equal points the one with the smallest coordinates is
+  // taken, so the order of the cloud does not matter.
+  void append(const Vector3d& origin, const std::vector<Vector3d>& directions, PointCloud& found) const;
+
+  // What rangesAlong() gives for the cloud.
+  AxisRanges ranges(const Matrix3d& axes) const;
 
  private:
   const PointCloud& cloud_;
-  BlockRanges x_, y_, z_;
+  std::array<BlockRanges, 3> coordinates_;
   double reach_ = 0.0;  // the largest coordinate
 };
 

@@ -228,6 +228,25 @@ TEST(Sides, GrowByPointsOutsideOfTheirInsidesAlone) {
   }
 }
 
+// The arc of the first side is one vertex: there is no chord to look beyond.
+TEST(Sides, GrowFromASingleVertex) {
+  const HullArcs arcs({{0, 0}, {1, 0}, {1, 1}, {0, 1}});
+  const Line line{-std::numbers::sqrt2_v<float> / 2, -std::numbers::sqrt2_v<float> / 2,
+                  -0.9f * std::numbers::sqrt2_v<float>};  // x + y >= 1.8
+  std::optional<Sides> sides = Sides::of(arcs, line);
+  ASSERT_TRUE(sides.has_value());
+  const double before = sides->area();
+  sides->add({{1, 1}});
+  EXPECT_EQ(sides->area(), before) << "the vertex itself";
+  sides->add({{0.9, 0.95}});
+  EXPECT_EQ(sides->area(), before) << "a segment has no area";
+  sides->add({{0.95, 0.9}});
+  EXPECT_NEAR(sides->area(), before + 0.5 * std::abs(0.1 * 0.1 - 0.05 * 0.05), 1e-12) << "a triangle";
+  sides->add({{0.95, 0.93}, {0.3, 0.3}});
+  EXPECT_NEAR(sides->area(), before + 0.5 * std::abs(0.1 * 0.1 - 0.05 * 0.05), 1e-12)
+      << "points inside the triangle and inside the other side";
+}
+
 TEST(Sides, AreNotThereForLinesThatDoNotPartTheHull) {
   const HullArcs arcs({{0, 0}, {1, 0}, {1, 1}, {0, 1}});
   EXPECT_FALSE(Sides::of(arcs, {1, 0, 2}).has_value());
@@ -270,6 +289,45 @@ TEST(FaceBlocks, FindEveryPointOutsideOfBothRegions) {
     const bool is_found = std::find(found.begin(), found.end(), p) != found.end();
     EXPECT_TRUE(is_found || reach <= 0) << "point " << i << " is open";
     EXPECT_FALSE(is_found && reach < -1e-5) << "point " << i << " is inside";
+  }
+}
+
+TEST(FaceBlocks, FindEveryOpenPointOfAPool) {
+  const Scatter scatter(3000);
+  const BlockedValues x(scatter.x), y(scatter.y);
+  const FaceBlocks blocks(x, y);
+  const Region a = triangle(0.05f), b{{1, 0, -0.06f}};
+  PointPool pool;
+  for (std::size_t n = 0; n < 200; ++n) {
+    std::vector<Vector2d> found;
+    blocks.appendOpenPoints(pool, a, b, found);
+    for (std::size_t i = 0; i < n; ++i) {
+      const Vector2d p = scatter.face().point(i);
+      const double reach = std::min(reachOut(p, a), reachOut(p, b));
+      const bool is_found = std::find(found.begin(), found.end(), p) != found.end();
+      EXPECT_TRUE(is_found || reach <= 0) << "point " << i << " of " << n << " is open";
+      EXPECT_FALSE(is_found && reach < -1e-5) << "point " << i << " of " << n << " is inside";
+    }
+    pool.add(scatter.face().point(n));
+  }
+}
+
+TEST(FaceBlocks, FindThePointsBeyondEachHalfPlane) {
+  for (const std::size_t n : {1u, 63u, 64u, 65u, 3000u}) {
+    const Scatter scatter(n);
+    const FaceProjection face = scatter.face();
+    const BlockedValues x(scatter.x), y(scatter.y);
+    const Region region = triangle(0.05f);
+    const auto beyond = FaceBlocks(x, y).pointsBeyond(region);
+    ASSERT_EQ(beyond.size(), region.size());
+    for (std::size_t plane = 0; plane < region.size(); ++plane) {
+      for (std::size_t i = 0; i < n; ++i) {
+        const double reach = reachOut(face.point(i), {region[plane]});
+        const bool is_found = std::ranges::find(beyond[plane], face.point(i)) != beyond[plane].end();
+        EXPECT_TRUE(is_found || reach <= 0) << "point " << i << " is beyond half plane " << plane;
+        EXPECT_FALSE(is_found && reach < -1e-5) << "point " << i << " is in half plane " << plane;
+      }
+    }
   }
 }
 

@@ -71,6 +71,35 @@ TEST(ConvexHull, LeavesOutCollinearAndRepeatedPoints) {
   }
 }
 
+// With the two ends it is the hull of the ends and of what is beyond the way between them.
+TEST(HullBeyond, IsThePartOfTheHullBeyondTheWay) {
+  std::mt19937_64 random(3);
+  for (int round = 0; round < 300; ++round) {
+    const auto points = randomPoints(2 + uniformIndex(random, 60), random);
+    const Vector2d a = points[0], b = points[1];
+    std::vector<Vector2d> beyond{a, b};
+    for (const Vector2d& p : points) {
+      if (cross(b - a, p - a) < 0.0) beyond.push_back(p);
+    }
+    Polygon hull = hullBeyond(a, b, points);
+    hull.insert(hull.begin(), a);
+    hull.push_back(b);
+    if (hull.size() > 2) {
+      EXPECT_GT(signedArea(hull), 0.0) << "expected counter-clockwise order";
+    }
+    std::sort(hull.begin(), hull.end(), before);
+    Polygon expected = convexHull(beyond);
+    std::sort(expected.begin(), expected.end(), before);
+    EXPECT_EQ(hull, expected);
+  }
+}
+
+TEST(HullBeyond, LeavesOutTheEndsAndWhatIsOnTheWayOrBehindIt) {
+  EXPECT_TRUE(hullBeyond({0, 0}, {1, 0}, {}).empty());
+  EXPECT_TRUE(hullBeyond({0, 0}, {1, 0}, {{0, 0}, {0.3, 0}, {1, 0}, {2, 0}, {0.5, 1}}).empty());
+  EXPECT_EQ(hullBeyond({0, 0}, {1, 0}, {{0.5, -1}, {0.5, -1}, {0.5, -0.9}}), (Polygon{{0.5, -1}}));
+}
+
 TEST(ConvexHull, DegenerateInputHasFewerThanThreeVertices) {
   EXPECT_TRUE(convexHull({}).empty());
   EXPECT_EQ(convexHull({{1, 2}, {1, 2}, {1, 2}}).size(), 1u);

@@ -27,6 +27,21 @@ TEST(BlockRanges, HoldTheValuesAndTouchTheOutermost) {
   }
 }
 
+TEST(PlacesAbove, AreThoseOfALoop) {
+  std::mt19937_64 random(3);
+  for (const std::size_t n : {0u, 1u, 15u, 16u, 17u, 500u}) {
+    std::vector<float> values;
+    for (std::size_t i = 0; i < n; ++i) values.push_back(static_cast<float>(uniformIndex(random, 40)));
+    for (const float limit : {-1.0f, 20.0f, 38.0f, 39.0f}) {
+      std::vector<std::uint32_t> expected;
+      for (std::uint32_t i = 0; i < n; ++i) {
+        if (values[i] > limit) expected.push_back(i);
+      }
+      EXPECT_EQ(placesAbove(values, limit), expected) << n << " values, limit " << limit;
+    }
+  }
+}
+
 // In whatever order the points are, and however few of them are looked at.
 TEST(SupportPoints, AreTheLowestAndHighestOfAll) {
   std::mt19937_64 random(2);
@@ -38,7 +53,7 @@ TEST(SupportPoints, AreTheLowestAndHighestOfAll) {
       const Matrix3d directions = test::randomPose(random).linear();
       const Vector3d origin(0.1 * normal(random), 0.0, 0.3);
       PointCloud found;
-      supports.append(origin, directions, found);
+      supports.append(origin, {directions.col(0), directions.col(1), directions.col(2)}, found);
       ASSERT_EQ(found.size(), 6u);
       const AxisRanges all = rangesAlong(cloud, directions);
       for (int axis = 0; axis < 3; ++axis) {
@@ -50,11 +65,27 @@ TEST(SupportPoints, AreTheLowestAndHighestOfAll) {
   }
 }
 
+TEST(SupportPoints, HaveTheRangesOfAllPointsToTheLastBit) {
+  std::mt19937_64 random(4);
+  for (const std::size_t n : {1u, 255u, 256u, 257u, 5000u}) {
+    PointCloud cloud =
+        transformed(test::gaussianCloud(n, {0.1, 0.05, 0.02}, random), test::randomPose(random));
+    if (n == 5000) std::sort(cloud.x.begin(), cloud.x.end());  // blocks that are far apart
+    const SupportPoints supports(cloud);
+    for (int round = 0; round < 50; ++round) {
+      const Matrix3d axes = round == 0 ? Matrix3d(Matrix3d::Identity()) : test::randomPose(random).linear();
+      const AxisRanges ranges = supports.ranges(axes), expected = rangesAlong(cloud, axes);
+      EXPECT_EQ(ranges.min, expected.min);
+      EXPECT_EQ(ranges.max, expected.max);
+    }
+  }
+}
+
 TEST(SupportPoints, AreTheSmallestOfEquals) {
   PointCloud cloud;
   for (int i = 999; i >= 0; --i) cloud.push({0.0, 0.001 * (i % 500), 1.0});
   PointCloud found;
-  SupportPoints(cloud).append({0, 0, 0}, Matrix3d::Identity(), found);
+  SupportPoints(cloud).append({0, 0, 0}, {Vector3d::UnitX()}, found);
   for (const std::size_t along_x : {0u, 1u})
     EXPECT_EQ(found.point(along_x), cloud.point(499)) << "all are equal along x";
 }
