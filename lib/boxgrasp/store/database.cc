@@ -7,6 +7,8 @@
 #include <cassert>
 #include <cctype>
 #include <cstring>
+#include <map>
+#include <mutex>
 
 namespace boxgrasp {
 namespace {
@@ -95,6 +97,16 @@ std::string schemaText(const char* statements) {
   if (code == SQLITE_OK) code = query(memory, kSchema, text);
   sqlite3_close(memory);
   assert(code == SQLITE_OK);
+  return text;
+}
+
+// The same, made once for all files of a kind.
+const std::string& knownSchemaText(const char* statements) {
+  static std::mutex mutex;
+  static std::map<std::string_view, std::string> known;
+  const std::lock_guard lock(mutex);
+  std::string& text = known[statements];
+  if (text.empty()) text = schemaText(statements);
   return text;
 }
 
@@ -196,7 +208,7 @@ void Database::requireKind() const {
         fmt::format("{} was written by a newer Boxgrasp (format {}, known are up to {}); update this one",
                     title(), std::stoi(version), kind_.version));
   }
-  if (ask(kSchema) != schemaText(kind_.schema)) failDamaged("its tables are not those of this format");
+  if (ask(kSchema) != knownSchemaText(kind_.schema)) failDamaged("its tables are not those of this format");
 }
 
 void Database::requireSound() const {
