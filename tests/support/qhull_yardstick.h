@@ -24,7 +24,9 @@ inline void buildQhull(std::vector<coordT>& coordinates) {
   const int points = static_cast<int>(coordinates.size() / 3);
   if (qh_new_qhull(&qhull, 3, points, coordinates.data(), false, command, nullptr, stderr) != 0)
     throw std::runtime_error("qhull failed");
-  qh_freeqhull(&qhull, qh_ALL);
+  qh_freeqhull(&qhull, !qh_ALL);  // qh_ALL would leave the blocks of small pieces behind
+  int pieces = 0, bytes = 0;
+  qh_memfreeshort(&qhull, &pieces, &bytes);
 }
 
 }  // namespace boxgrasp::test
