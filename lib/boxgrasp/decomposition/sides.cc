@@ -17,6 +17,18 @@ bool isFirst(const Line& line, const Vector2d& p) {
   return line.isFirst(static_cast<float>(p.x()), static_cast<float>(p.y()));
 }
 
+// The vertices of the hull of a vertex and points that are all further in a direction, from the vertex on and
+// without it.
+Polygon hullFrom(const Vector2d& vertex, const Vector2d& direction, std::vector<Vector2d> points) {
+  const Vector2d farthest =
+      *std::ranges::max_element(points, {}, [&](const Vector2d& p) { return direction.dot(p); });
+  Polygon hull = hullBeyond(vertex, farthest, points);
+  hull.push_back(farthest);
+  const Polygon back = hullBeyond(farthest, vertex, std::move(points));
+  hull.insert(hull.end(), back.begin(), back.end());
+  return hull;
+}
+
 // The run of the hull's vertices on the first side of a line, if they are one and not all.
 std::optional<Arc> firstArc(const HullArcs& arcs, const Line& line) {
   std::optional<std::size_t> begin, end;
@@ -63,17 +75,9 @@ void HalfHull::add(const std::vector<Vector2d>& points) {
     if (is_beyond && isFirst(line_, p) == is_first_) beyond.push_back(p);
   }
   if (beyond.size() == cap_.size()) return;
-  if (!is_vertex) {
-    cap_ = hullBeyond(from_, to_, std::move(beyond));
-    return;
-  }
-  const Vector2d outward(halfPlane().normal_x, halfPlane().normal_y);
-  const Vector2d farthest =
-      *std::ranges::max_element(beyond, {}, [&](const Vector2d& p) { return outward.dot(p); });
-  cap_ = hullBeyond(from_, farthest, beyond);
-  cap_.push_back(farthest);
-  const Polygon back = hullBeyond(farthest, to_, std::move(beyond));
-  cap_.insert(cap_.end(), back.begin(), back.end());
+  const Vector2d outward(line_.normal_x, line_.normal_y);
+  cap_ = is_vertex ? hullFrom(from_, is_first_ ? outward : Vector2d(-outward), std::move(beyond))
+                   : hullBeyond(from_, to_, std::move(beyond));
 }
 
 Polygon HalfHull::closedCap() const {
