@@ -14,6 +14,7 @@ namespace boxgrasp {
 namespace {
 
 constexpr std::size_t kMaxSumPoints = 10000;  // four contacts of eight edges; a hull of some seconds
+constexpr std::size_t kMaxUnionPoints = 128;  // facets can grow with their cube: a hull of two seconds
 constexpr double kAlongX = 1.0 - 1e-9;        // a normal's |x| above which the x axis gives no tangent
 
 double frictionOf(const Contact& contact, const WrenchOptions& options) {
@@ -106,12 +107,22 @@ std::vector<Wrench> sumOf(const std::vector<std::vector<Wrench>>& edges) {
   return result;
 }
 
+void requireUnionFits(std::size_t contacts, std::size_t points) {
+  if (points > kMaxUnionPoints) {
+    throw InputError(
+        fmt::format("the cones of {} contacts have {} edges, more than {} where they are not three in general "
+                    "position: take fewer contacts or cone edges",
+                    contacts, points, kMaxUnionPoints));
+  }
+}
+
 WrenchHull unionHull(const std::vector<ForceCone>& cones, const std::vector<Wrench>& points) {
   const bool three = cones.size() == 3 &&
                      std::ranges::all_of(cones, [](const ForceCone& cone) { return cone.edges.size() > 1; });
   if (three) {
     if (const auto hull = threeConeHull({cones[0], cones[1], cones[2]})) return *hull;
   }
+  requireUnionFits(cones.size(), points.size());
   return wrenchHull(points);
 }
 

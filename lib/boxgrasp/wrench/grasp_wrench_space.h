@@ -35,8 +35,9 @@ struct GraspQuality {
 };
 
 // epsilon and nu; epsilon is exact for the linearised cones up to a few 1e-9 of the largest wrench. No contacts are no
-// force closure. Throws InputError for bad options, non-finite contacts, normals that are not of unit length, or a
-// Minkowski sum (linf) of more than 10,000 points: four contacts of eight edges fit, and take seconds.
+// force closure. Throws InputError for bad options, non-finite contacts, normals that are not of unit length, a
+// Minkowski sum (linf) of more than 10,000 points: four contacts of eight edges fit, and take seconds; or cones (l1) of
+// more than 128 edges together that are not three in general position: sixteen contacts of eight edges fit.
 GraspQuality graspQuality(const std::vector<Contact>& contacts, const WrenchOptions& options = {});
 
 // Only whether the grasp is in force closure, which is the same under both norms; many times faster than
