@@ -29,28 +29,6 @@ BOXGRASP_SIMD void reachOut(const float* x, const float* y, const float* half_x,
   }
 }
 
-// The largest of the values.
-inline float largest(const float* values, std::size_t n) {
-  float best[kLanes];
-  for (std::size_t k = 0; k < kLanes; ++k) best[k] = -kInfinity;
-  const std::size_t whole = n - n % kLanes;
-  for (std::size_t i = 0; i < whole; i += kLanes) {
-    for (std::size_t k = 0; k < kLanes; ++k) best[k] = values[i + k] > best[k] ? values[i + k] : best[k];
-  }
-  for (std::size_t i = whole; i < n; ++i) best[0] = values[i] > best[0] ? values[i] : best[0];
-  for (std::size_t k = 1; k < kLanes; ++k) best[0] = best[k] > best[0] ? best[k] : best[0];
-  return best[0];
-}
-
-// How far each rectangle reaches along (a, b), and returns how far the farthest does.
-BOXGRASP_SIMD float reachAlong(const float* x, const float* y, const float* half_x, const float* half_y,
-                               std::size_t n, float a, float b, float* reach) {
-  const float abs_a = std::abs(a), abs_b = std::abs(b);
-  for (std::size_t i = 0; i < n; ++i)
-    reach[i] = a * x[i] + b * y[i] + (abs_a * half_x[i] + abs_b * half_y[i]);
-  return largest(reach, n);
-}
-
 // How far each point of a block reaches out of a region.
 inline void pointsOut(const float* x, const float* y, const HalfPlane* planes, std::size_t count,
                       float* reach) {
@@ -71,13 +49,6 @@ BOXGRASP_SIMD void markOpen(const float* x, const float* y, const HalfPlane* a, 
   pointsOut(x, y, a, count_a, out_a);
   pointsOut(x, y, b, count_b, out_b);
   for (std::size_t i = 0; i < kBlock; ++i) mark[i] = (out_a[i] > limit) & (out_b[i] > limit);
-}
-
-// Marks the points of a block that reach out of a half plane by more than a limit.
-BOXGRASP_SIMD void markBeyond(const float* x, const float* y, const HalfPlane& plane, float limit,
-                              std::uint8_t* mark) {
-  const float a = plane.normal_x, b = plane.normal_y, least = plane.offset + limit;
-  for (std::size_t i = 0; i < kBlock; ++i) mark[i] = a * x[i] + b * y[i] > least;
 }
 
 // Marks the points of a block that are nearest to a line on its side.
@@ -105,10 +76,9 @@ BOXGRASP_SIMD void markNearest(const float* x, const float* y, Line line, std::u
     mark[i] = (values[i] == highest_below) | (values[i] == lowest_above);
 }
 
-// normal.p for the points of a block; returns the largest.
-BOXGRASP_SIMD float valuesOf(const float* x, const float* y, float normal_x, float normal_y, float* values) {
+// normal.p for the points of a block.
+BOXGRASP_SIMD void valuesOf(const float* x, const float* y, float normal_x, float normal_y, float* values) {
   for (std::size_t i = 0; i < kBlock; ++i) values[i] = normal_x * x[i] + normal_y * y[i];
-  return largest(values, kBlock);
 }
 
 }  // namespace block_passes
@@ -155,6 +125,10 @@ void PointPool::add(const Vector2d& p) {
   ++size_;
 }
 
+std::size_t PointPool::blocks() const { return x_.size() / kBlock; }
+const float* PointPool::x(std::size_t block) const { return &x_[block * kBlock]; }
+const float* PointPool::y(std::size_t block) const { return &y_[block * kBlock]; }
+
 FaceBlocks::FaceBlocks(const BlockedValues& x, const BlockedValues& y) : x_(x), y_(y) {
   for (const BlockedValues* coordinate : {&x_, &y_}) {
     const BlockRanges& ranges = coordinate->ranges();
@@ -162,12 +136,6 @@ FaceBlocks::FaceBlocks(const BlockedValues& x, const BlockedValues& y) : x_(x), 
       margin_ = std::max(margin_, std::abs(ranges.middle[b]) + ranges.half[b]);
   }
   margin_ *= kMargin;
-}
-
-float FaceBlocks::reach(std::size_t block, const HalfPlane& plane) const {
-  const BlockRanges &x = x_.ranges(), &y = y_.ranges();
-  return plane.normal_x * x.middle[block] + plane.normal_y * y.middle[block] +
-         std::abs(plane.normal_x) * x.half[block] + std::abs(plane.normal_y) * y.half[block] - plane.offset;
 }
 
 std::vector<float> FaceBlocks::reachOut(const Region& region) const {
@@ -186,38 +154,22 @@ std::vector<Vector2d> FaceBlocks::spreadPoints(std::size_t count) const {
 }
 
 Vector2d FaceBlocks::support(float x, float y) const {
-  std::vector<float> reach(x_.ranges().size());
-  const float bound =
-      block_passes::reachAlong(x_.ranges().middle.data(), y_.ranges().middle.data(), x_.ranges().half.data(),
-                               y_.ranges().half.data(), reach.size(), x, y, reach.data());
+  const std::vector<float> reach = reachOut({{x, y, 0.0f}});
   float farthest = -kInfinity, values[kBlock];
   Vector2d point(0, 0);
   const auto look = [&](std::size_t block) {
-    const float best = block_passes::valuesOf(x_.block(block), y_.block(block), x, y, values);
+    block_passes::valuesOf(x_.block(block), y_.block(block), x, y, values);
+    const float best = rangeOf(values).max;
     if (best <= farthest) return;
     farthest = best;
     const std::size_t place = placeOf(best, values);
     point = {x_.block(block)[place], y_.block(block)[place]};
   };
-  look(placeOf(bound, reach));
+  look(placeOf(rangeOf(reach).max, reach));
   for (const std::uint32_t block : placesAbove(reach, farthest)) {
     if (reach[block] > farthest) look(block);
   }
   return point;
-}
-
-std::vector<std::vector<Vector2d>> FaceBlocks::pointsBeyond(const Region& region) const {
-  std::vector<std::vector<Vector2d>> beyond(region.size());
-  std::uint8_t mark[kBlock];
-  for (const std::uint32_t block : placesAbove(reachOut(region), -margin_)) {
-    const float *x = x_.block(block), *y = y_.block(block);
-    for (std::size_t p = 0; p < region.size(); ++p) {
-      if (reach(block, region[p]) <= -margin_) continue;
-      block_passes::markBeyond(x, y, region[p], -margin_, mark);
-      appendMarked(x, y, mark, beyond[p]);
-    }
-  }
-  return beyond;
 }
 
 std::vector<std::uint32_t> FaceBlocks::openBlocks(const Region& a, const Region& b) const {
@@ -241,8 +193,8 @@ void FaceBlocks::appendOpenPoints(const std::vector<std::uint32_t>& blocks, cons
 void FaceBlocks::appendOpenPoints(const PointPool& pool, const Region& a, const Region& b,
                                   std::vector<Vector2d>& points) const {
   std::uint8_t mark[kBlock];
-  for (std::size_t begin = 0; begin < pool.x_.size(); begin += kBlock) {
-    const float *x = &pool.x_[begin], *y = &pool.y_[begin];
+  for (std::size_t block = 0; block < pool.blocks(); ++block) {
+    const float *x = pool.x(block), *y = pool.y(block);
     block_passes::markOpen(x, y, a.data(), a.size(), b.data(), b.size(), -margin_, mark);
     appendMarked(x, y, mark, points);
   }

@@ -41,10 +41,14 @@ class PointPool {
  public:
   void add(const Vector2d& p);
 
+  std::size_t blocks() const;
+  // The coordinates of a block; the last one is filled up with its first point.
+  const float* x(std::size_t block) const;
+  const float* y(std::size_t block) const;
+
  private:
-  friend class FaceBlocks;
   std::size_t size_ = 0;
-  std::vector<float> x_, y_;  // padded by the first of the last block
+  std::vector<float> x_, y_;  // whole blocks
 };
 
 // A point is open when it is in the inside of neither of two regions; one on an edge or nearer to it than the
@@ -58,9 +62,6 @@ class FaceBlocks {
 
   // The farthest point in a direction.
   Vector2d support(float x, float y) const;
-
-  // For each half plane of a region, the points that are not in its inside.
-  std::vector<std::vector<Vector2d>> pointsBeyond(const Region& region) const;
 
   // Indices of the blocks that may hold an open point.
   std::vector<std::uint32_t> openBlocks(const Region& a, const Region& b) const;
@@ -78,8 +79,6 @@ class FaceBlocks {
                      std::vector<Vector2d>& points) const;
 
  private:
-  // How far a block's bounding rectangle reaches out of a half plane.
-  float reach(std::size_t block, const HalfPlane& plane) const;
   // How far the blocks' bounding rectangles reach out of a region.
   std::vector<float> reachOut(const Region& region) const;
 

@@ -27,7 +27,7 @@ double FaceSearch::theta(const Line& line, const MeasuredLines& measured) {
   std::optional<Sides> sides = Sides::of(*arcs_, line);
   if (!sides) return plainTheta(face_, line);
   std::vector<Vector2d> found;
-  blocks_.appendOpenPoints(few_, sides->firstInside(), sides->secondInside(), found);
+  blocks_.appendOpenPoints(few_, sides->first().inside(), sides->second().inside(), found);
   sides->add(found);
   const Polygon known_first = sides->first().cap(), known_second = sides->second().cap();
   const double theta = thetaByFewPoints(*sides, line, measured);
@@ -40,10 +40,10 @@ double FaceSearch::theta(const Line& line, const MeasuredLines& measured) {
 double FaceSearch::thetaByFewPoints(Sides& sides, const Line& line, const MeasuredLines& measured) const {
   if (const double bound = sides.area() / face_.area; !measured.mayWin(bound)) return bound;
   std::vector<Vector2d> found;
-  blocks_.appendNearest(blocks_.openBlocks(sides.firstInside(), sides.secondInside()), line, found);
+  blocks_.appendNearest(blocks_.openBlocks(sides.first().inside(), sides.second().inside()), line, found);
   sides.add(found);
   if (const double bound = sides.area() / face_.area; !measured.mayWin(bound)) return bound;
-  const Region first = sides.firstInside(), second = sides.secondInside();
+  const Region first = sides.first().inside(), second = sides.second().inside();
   found.clear();
   blocks_.appendOpenPoints(blocks_.openBlocks(first, second), first, second, found);
   sides.add(found);
@@ -66,9 +66,12 @@ Polygon FaceSearch::outerHull() const {
   const Polygon guess = convexHull(points);
   if (guess.size() < 2) return guess;
   points = guess;
-  std::vector<std::vector<Vector2d>> beyond = blocks_.pointsBeyond(insideOf(guess));
   for (std::size_t i = 0; i < guess.size(); ++i) {
-    const Polygon hull = hullBeyond(guess[i], guess[(i + 1) % guess.size()], std::move(beyond[i]));
+    const Vector2d &from = guess[i], &to = guess[(i + 1) % guess.size()];
+    const Region inside{leftOf(from, to)};
+    std::vector<Vector2d> beyond;
+    blocks_.appendOpenPoints(blocks_.openBlocks(inside, inside), inside, inside, beyond);
+    const Polygon hull = hullBeyond(from, to, std::move(beyond));
     points.insert(points.end(), hull.begin(), hull.end());
   }
   return convexHull(std::move(points));

@@ -7,12 +7,6 @@ namespace {
 
 constexpr HalfPlane kNowhere{0.0f, 0.0f, -1.0f};
 
-HalfPlane leftOf(const Vector2d& from, const Vector2d& to) {
-  const Vector2d along = (to - from).normalized(), outward(along.y(), -along.x());
-  return {static_cast<float>(outward.x()), static_cast<float>(outward.y()),
-          static_cast<float>(outward.dot(from))};
-}
-
 bool isFirst(const Line& line, const Vector2d& p) {
   return line.isFirst(static_cast<float>(p.x()), static_cast<float>(p.y()));
 }
@@ -47,11 +41,10 @@ std::optional<Arc> firstArc(const HullArcs& arcs, const Line& line) {
 
 }  // namespace
 
-Region insideOf(const Polygon& polygon) {
-  Region region;
-  for (std::size_t i = 0; i < polygon.size(); ++i)
-    region.push_back(leftOf(polygon[i], polygon[(i + 1) % polygon.size()]));
-  return region;
+HalfPlane leftOf(const Vector2d& from, const Vector2d& to) {
+  const Vector2d along = (to - from).normalized(), outward(along.y(), -along.x());
+  return {static_cast<float>(outward.x()), static_cast<float>(outward.y()),
+          static_cast<float>(outward.dot(from))};
 }
 
 HalfHull::HalfHull(const HullArcs& arcs, const Arc& arc, const Line& line, bool is_first)

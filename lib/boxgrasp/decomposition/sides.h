@@ -10,8 +10,8 @@
 
 namespace boxgrasp {
 
-// The inside of a counter-clockwise polygon: a half plane an edge. One without area has no inside.
-Region insideOf(const Polygon& polygon);
+// What is on the left of the way from one point to another.
+HalfPlane leftOf(const Vector2d& from, const Vector2d& to);
 
 // The hull of one side: an arc of the hull of all points, and beyond the chord between the arc's ends a cap
 // that grows with the points that are added.
@@ -57,8 +57,6 @@ class Sides {
   double area() const { return first_.area() + second_.area(); }
   const HalfHull& first() const { return first_; }
   const HalfHull& second() const { return second_; }
-  Region firstInside() const { return first_.inside(); }
-  Region secondInside() const { return second_.inside(); }
 
  private:
   Sides(HalfHull first, HalfHull second) : first_(std::move(first)), second_(std::move(second)) {}

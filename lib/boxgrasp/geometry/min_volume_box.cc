@@ -63,26 +63,20 @@ class OrientationHunt {
   // Keeps the best box of the whole cloud in the first few of the orientations; returns the points that their
   // faces touch.
   PointCloud measure(const std::vector<Orientation>& orientations) {
-    const std::size_t count = std::min(kChecked, orientations.size());
-    std::vector<Matrix3d> axes_C;
-    std::vector<Vector3d> directions_C;
-    for (std::size_t i = 0; i < count; ++i) {
+    PointCloud found;
+    for (std::size_t i = 0; i < std::min(kChecked, orientations.size()); ++i) {
       const auto rotation = orientations[i].rotation.cast<double>().normalized();
-      axes_C.push_back(X_CK_.linear() * rotation.toRotationMatrix());
-      for (int axis = 0; axis < 3; ++axis) directions_C.push_back(axes_C[i].col(axis));
-    }
-    PointCloud touched;
-    supports_C_.append(X_CK_.translation(), directions_C, touched);
-    for (std::size_t i = 0; i < count; ++i) {
-      PointCloud on_box;
-      for (std::size_t k = 6 * i; k < 6 * (i + 1); ++k) on_box.push(touched.point(k));
-      const double volume = boxAround(on_box, axes_C[i]).volume();
+      const Matrix3d axes_C = X_CK_.linear() * rotation.toRotationMatrix();
+      PointCloud touched;
+      supports_C_.append(X_CK_.translation(), {axes_C.col(0), axes_C.col(1), axes_C.col(2)}, touched);
+      const double volume = boxAround(touched, axes_C).volume();
       if (volume < volume_) {
         volume_ = volume;
-        axes_C_ = axes_C[i];
+        axes_C_ = axes_C;
       }
+      found = joined(std::move(found), touched);
     }
-    return touched;
+    return found;
   }
 
   // Adds the points that are not yet among the few; returns whether there were any.

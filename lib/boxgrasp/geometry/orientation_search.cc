@@ -181,14 +181,6 @@ std::vector<Quaternionf> orientationLattice() {
   return lattice;
 }
 
-// Sixteen a batch; the last one is filled up with the last rotation.
-std::vector<Rotations> batches(const std::vector<Quaternionf>& rotations) {
-  std::vector<Rotations> result((rotations.size() + kLanes - 1) / kLanes);
-  for (std::size_t i = 0; i < result.size() * kLanes; ++i)
-    put(rotations[std::min(i, rotations.size() - 1)], i % kLanes, result[i / kLanes]);
-  return result;
-}
-
 // Unit vectors in all directions, in an order in which any few in a row are well spread.
 std::vector<Vector3f> turnAxes() {
   std::vector<Vector3f> axes;
@@ -264,13 +256,17 @@ std::vector<Orientation> distinct(const std::vector<Orientation>& orientations, 
   return kept.orientations();
 }
 
-std::vector<Orientation> measured(const PointCloud& points, const std::vector<Rotations>& rotations,
-                                  std::size_t count) {
-  std::vector<Orientation> result(count);
-  alignas(64) orientation_batch::Lane volumes;
-  for (std::size_t i = 0; i < count; ++i) {
-    if (i % kLanes == 0) measure(points, rotations[i / kLanes], volumes);
-    result[i] = {rotationAt(rotations[i / kLanes], i % kLanes), volumes[i % kLanes]};
+std::vector<Orientation> measured(const PointCloud& points, const std::vector<Quaternionf>& rotations) {
+  std::vector<Orientation> result;
+  result.reserve(rotations.size());
+  for (std::size_t begin = 0; begin < rotations.size(); begin += kLanes) {
+    Rotations batch;
+    for (std::size_t k = 0; k < kLanes; ++k)
+      put(rotations[std::min(begin + k, rotations.size() - 1)], k, batch);
+    alignas(64) orientation_batch::Lane volumes;
+    measure(points, batch, volumes);
+    for (std::size_t k = 0; k < kLanes && begin + k < rotations.size(); ++k)
+      result.push_back({rotations[begin + k], volumes[k]});
   }
   return result;
 }
@@ -326,7 +322,7 @@ void snap(const PointCloud& points, Orientation& orientation) {
   for (int edge = 0; edge < 3; ++edge) {
     const Vector3d direction = orientation.rotation.toRotationMatrix().col(edge).cast<double>();
     const Eigen::Matrix3f axes = smallestBoxAxes(points, direction).cast<float>();
-    const Orientation turned = measured(points, batches({Quaternionf(axes).normalized()}), 1)[0];
+    const Orientation turned = measured(points, {Quaternionf(axes).normalized()})[0];
     orientation = std::min(orientation, turned, smaller);
   }
 }
@@ -348,9 +344,7 @@ Matrix3d smallestBoxAxes(const PointCloud& points, const Vector3d& edge) {
 
 std::vector<Orientation> searchOrientations(const PointCloud& points) {
   static const std::vector<Quaternionf> lattice = orientationLattice();
-  static const std::vector<Rotations> lattice_batches = batches(lattice);
-  std::vector<Orientation> starts =
-      distinct(measured(points, lattice_batches, lattice.size()), 3 * kLanes, kNeighbours);
+  std::vector<Orientation> starts = distinct(measured(points, lattice), 3 * kLanes, kNeighbours);
   descend(points, starts, 0.1f, kMostTrials);
   std::vector<Orientation> best = distinct(starts, kLanes / 2, kSame);
   descend(points, best, 0.01f, 40);

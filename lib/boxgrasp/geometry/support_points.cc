@@ -60,10 +60,9 @@ BOXGRASP_SIMD void valuesOf(const float* px, const float* py, const float* pz, s
   for (std::size_t i = 0; i < n; ++i) values[i] = valueAlong(axis, px[i], py[i], pz[i]);
 }
 
-// The least and the largest value that a point of each block can have, but for rounding; returns the least
-// and the largest of these.
-BOXGRASP_SIMD ValueRange boundBlocks(const float* const* middle, const float* const* half, std::size_t blocks,
-                                     const Axis& along, float* low, float* high) {
+// The least and the largest value that a point of each block can have, but for rounding.
+BOXGRASP_SIMD void boundBlocks(const float* const* middle, const float* const* half, std::size_t blocks,
+                               const Axis& along, float* low, float* high) {
   const Axis axis = along;
   const float *const half_x = half[0], *const half_y = half[1], *const half_z = half[2];
   for (std::size_t b = 0; b < blocks; ++b) {
@@ -73,14 +72,6 @@ BOXGRASP_SIMD ValueRange boundBlocks(const float* const* middle, const float* co
     low[b] = value - reach;
     high[b] = value + reach;
   }
-  float least[kLanes], largest[kLanes];
-  for (std::size_t k = 0; k < kLanes; ++k) least[k] = kInfinity, largest[k] = -kInfinity;
-  for (std::size_t b = 0; b < blocks; ++b) {
-    float &below = least[b % kLanes], &above = largest[b % kLanes];
-    below = low[b] < below ? low[b] : below;
-    above = high[b] > above ? high[b] : above;
-  }
-  return {*std::min_element(least, least + kLanes), *std::max_element(largest, largest + kLanes)};
 }
 
 // How far the values of each block can reach out of a range.
@@ -129,29 +120,20 @@ class Extremes {
   // Values may be wrong by a third of the margin.
   Extremes(const PointCloud& cloud, const std::array<BlockRanges, 3>& coordinates, const Axis& axis,
            float margin)
-      : cloud_(cloud), axis_(axis), margin_(margin) {
+      : cloud_(cloud), axis_(axis) {
     const auto& [x, y, z] = coordinates;
     const std::array middle{x.middle.data(), y.middle.data(), z.middle.data()};
     const std::array half{x.half.data(), y.half.data(), z.half.data()};
     const std::size_t blocks = x.size();
-    low_.resize(blocks);
-    high_.resize(blocks);
-    const ValueRange bound =
-        support_passes::boundBlocks(middle.data(), half.data(), blocks, axis_, low_.data(), high_.data());
-    const std::size_t lowest = placeOf(bound.min, low_), highest = placeOf(bound.max, high_);
+    std::vector<float> low(blocks), high(blocks), reach(blocks);
+    support_passes::boundBlocks(middle.data(), half.data(), blocks, axis_, low.data(), high.data());
+    const std::size_t lowest = placeOf(rangeOf(low).min, low), highest = placeOf(rangeOf(high).max, high);
     look(lowest);
     look(highest);
-    std::vector<float> reach(blocks);
-    support_passes::reachOut(low_.data(), high_.data(), blocks, all_, reach.data());
-    open_ = placesAbove(reach, -margin);
-    std::erase_if(open_, [&](std::uint32_t block) { return block == lowest || block == highest; });
-  }
-
-  // Looks where it must among the blocks before `end` that it did not pass yet.
-  void lookBefore(std::size_t end) {
-    for (; next_ < open_.size() && open_[next_] < end; ++next_) {
-      const std::uint32_t block = open_[next_];
-      if (low_[block] - margin_ <= all_.min || high_[block] + margin_ >= all_.max) look(block);
+    support_passes::reachOut(low.data(), high.data(), blocks, all_, reach.data());
+    for (const std::uint32_t block : placesAbove(reach, -margin)) {
+      const bool matters = low[block] - margin <= all_.min || high[block] + margin >= all_.max;
+      if (matters && block != lowest && block != highest) look(block);
     }
   }
 
@@ -195,21 +177,9 @@ class Extremes {
 
   const PointCloud& cloud_;
   Axis axis_;
-  float margin_;
-  std::vector<float> low_, high_;                              // bounds of the blocks
-  std::vector<std::uint32_t> open_;                            // blocks that may matter
-  std::size_t next_ = 0;                                       // in open_
   std::vector<std::pair<std::size_t, ValueRange>> looked_at_;  // blocks
   ValueRange all_;
 };
-
-// All axes look at a run of blocks before any goes on, so that points are in the cache for all but the first.
-void lookAtAll(std::vector<Extremes>& axes, std::size_t blocks) {
-  constexpr std::size_t kRun = 16;
-  for (std::size_t end = kRun; end < blocks + kRun; end += kRun) {
-    for (Extremes& axis : axes) axis.lookBefore(end);
-  }
-}
 
 }  // namespace
 
@@ -226,20 +196,15 @@ SupportPoints::SupportPoints(const PointCloud& cloud)
 void SupportPoints::append(const Vector3d& origin, const std::vector<Vector3d>& directions,
                            PointCloud& found) const {
   const auto margin = static_cast<float>(kRounding * (reach_ + origin.lpNorm<1>()));
-  std::vector<Extremes> axes;
-  axes.reserve(directions.size());
   for (const Vector3d& direction : directions)
-    axes.emplace_back(cloud_, coordinates_, axisOf(origin, direction), margin);
-  lookAtAll(axes, coordinates_[0].size());
-  for (const Extremes& axis : axes) axis.append(found);
+    Extremes(cloud_, coordinates_, axisOf(origin, direction), margin).append(found);
 }
 
 AxisRanges SupportPoints::ranges(const Matrix3d& axes) const {
   const auto margin = static_cast<float>(2.0 * kRounding * reach_);  // the axes themselves are rounded, too
   AxisRanges ranges;
   for (int i = 0; i < 3; ++i) {
-    Extremes extremes(cloud_, coordinates_, axisOf({0, 0, 0}, axes.col(i)), margin);
-    extremes.lookBefore(coordinates_[0].size());
+    const Extremes extremes(cloud_, coordinates_, axisOf({0, 0, 0}, axes.col(i)), margin);
     Interval all;
     extremes.forEachBlock([&](std::size_t begin, std::size_t end) {
       const Interval range = rangeAlong(cloud_, begin, end, axes.col(i));

@@ -103,7 +103,7 @@ std::string schemaText(const char* statements) {
 // The same, made once for all files of a kind.
 const std::string& knownSchemaText(const char* statements) {
   static std::mutex mutex;
-  static std::map<std::string_view, std::string> known;
+  static std::map<std::string, std::string> known;  // by statements
   const std::lock_guard lock(mutex);
   std::string& text = known[statements];
   if (text.empty()) text = schemaText(statements);

@@ -14,7 +14,7 @@ namespace boxgrasp {
 namespace {
 
 constexpr std::size_t kMaxSumPoints = 10000;  // four contacts of eight edges; a hull of some seconds
-constexpr std::size_t kMaxUnionPoints = 128;  // facets can grow with their cube: a hull of two seconds
+constexpr std::size_t kMaxUnionPoints = 128;  // a hull of half a second; twice as many take up to four
 constexpr double kAlongX = 1.0 - 1e-9;        // a normal's |x| above which the x axis gives no tangent
 
 double frictionOf(const Contact& contact, const WrenchOptions& options) {

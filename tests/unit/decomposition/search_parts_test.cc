@@ -209,7 +209,7 @@ TEST(Sides, GrowByPointsOutsideOfTheirInsidesAlone) {
     std::optional<Sides> sides = Sides::of(arcs, cuts.lines[i].line);
     ASSERT_TRUE(sides.has_value());
     sides->add(some);
-    const Region first = sides->firstInside(), second = sides->secondInside();
+    const Region first = sides->first().inside(), second = sides->second().inside();
     const auto isWithoutInside = [](const HalfPlane& plane) {
       return plane.normal_x == 0.0f && plane.normal_y == 0.0f;
     };
@@ -309,25 +309,6 @@ TEST(FaceBlocks, FindEveryOpenPointOfAPool) {
       EXPECT_FALSE(is_found && reach < -1e-5) << "point " << i << " of " << n << " is inside";
     }
     pool.add(scatter.face().point(n));
-  }
-}
-
-TEST(FaceBlocks, FindThePointsBeyondEachHalfPlane) {
-  for (const std::size_t n : {1u, 63u, 64u, 65u, 3000u}) {
-    const Scatter scatter(n);
-    const FaceProjection face = scatter.face();
-    const BlockedValues x(scatter.x), y(scatter.y);
-    const Region region = triangle(0.05f);
-    const auto beyond = FaceBlocks(x, y).pointsBeyond(region);
-    ASSERT_EQ(beyond.size(), region.size());
-    for (std::size_t plane = 0; plane < region.size(); ++plane) {
-      for (std::size_t i = 0; i < n; ++i) {
-        const double reach = reachOut(face.point(i), {region[plane]});
-        const bool is_found = std::ranges::find(beyond[plane], face.point(i)) != beyond[plane].end();
-        EXPECT_TRUE(is_found || reach <= 0) << "point " << i << " is beyond half plane " << plane;
-        EXPECT_FALSE(is_found && reach < -1e-5) << "point " << i << " is in half plane " << plane;
-      }
-    }
   }
 }
 

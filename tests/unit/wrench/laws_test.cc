@@ -334,25 +334,15 @@ TEST(WrenchErrors, RefuseASumTooLarge) {
   expectRefused(test::randomGrasp(random, 5), options, "the Minkowski sum of 5 contacts has 59049 points");
 }
 
-// A hull of this many edges could take minutes.
-TEST(GraspQuality, RefusesMoreEdgesThanAHullCanTakeInSeconds) {
-  std::vector<Contact> contacts;
-  for (int i = 0; i < 5; ++i) {
-    Contact contact;
-    contact.p_C = Vector3d(0.01 * i, 0.02 * (i % 2), 0.0);
-    contact.normal_C = i % 2 == 0 ? Vector3d(Vector3d::UnitY()) : Vector3d(-Vector3d::UnitY());
-    contacts.push_back(contact);
-  }
-  WrenchOptions options;
+TEST(WrenchErrors, RefuseAUnionTooLarge) {
+  std::mt19937_64 random(16);
+  WrenchOptions options = scaledOptions(0.5);
   options.cone_edges = 64;
-  try {
-    graspQuality(contacts, options);
-    FAIL() << "expected an InputError for 320 edges";
-  } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("320 edges"), std::string::npos) << error.what();
-  }
+  expectRefused(test::randomGrasp(random, 5), options, "the cones of 5 contacts have 320 edges");
   options.cone_edges = 25;
-  EXPECT_NO_THROW(graspQuality(contacts, options)) << "125 edges";
+  EXPECT_NO_THROW(graspQuality(test::randomGrasp(random, 5), options)) << "125 edges";
+  options.cone_edges = 64;
+  EXPECT_NO_THROW(graspQuality(test::randomGrasp(random, 3), options)) << "three have a hull of their own";
 }
 
 }  // namespace
