@@ -4,6 +4,7 @@
 #include <array>
 #include <ctime>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "boxgrasp/base/durable_file.h"
 #include "boxgrasp/base/error.h"
@@ -41,17 +42,30 @@ ModelState stateOf(const std::string& name) {
   throw InputError(fmt::format("'{}' is no state of a model", name));
 }
 
+// Numbers that the type does not hold are damage: the library would convert them to whatever comes out.
+template <typename Integer>
+Integer wholeNumber(const json& object, const char* key) {
+  const json& value = object.at(key);
+  const bool fits = value.is_number_unsigned()
+                        ? std::in_range<Integer>(value.get<std::uint64_t>())
+                        : value.is_number_integer() && std::in_range<Integer>(value.get<std::int64_t>());
+  if (!fits)
+    throw InputError(fmt::format("'{}' is {}, but must be a whole number that fits into {} bits", key,
+                                 value.dump(), 8 * sizeof(Integer)));
+  return value.get<Integer>();
+}
+
 RegisteredModel modelFrom(const json& entry) {
   RegisteredModel model;
   model.version = entry.at("version");
   std::array<std::uint8_t, 4> number;  // a version names a file, so it is nothing but hex digits
   readHex(model.version, number, "version");
   model.created = entry.at("created");
-  model.accepted = entry.at("accepted");
+  model.accepted = wholeNumber<std::int64_t>(entry, "accepted");
   readHex(entry.at("key").get<std::string>(), model.signature.key, "key");
   readHex(entry.at("signature").get<std::string>(), model.signature.bytes, "signature");
   model.state = stateOf(entry.at("state"));
-  model.unclean_ends = entry.at("unclean_ends");
+  model.unclean_ends = wholeNumber<int>(entry, "unclean_ends");
   model.reason = entry.at("reason");
   return model;
 }
@@ -77,7 +91,7 @@ RegistryState stateFrom(const std::string& text) {
   state.pinned = content.at("pinned");
   if (!state.pinned.empty() && !state.find(state.pinned))
     throw InputError(fmt::format("'{}' is pinned, but is none of its models", state.pinned));
-  state.last_order = content.at("last_order");
+  state.last_order = wholeNumber<std::int64_t>(content, "last_order");
   state.last_order_id = content.at("last_order_id");
   return state;
 }

@@ -72,6 +72,24 @@ TEST_F(ModelRegistryFolder, APinOfNoModelIsDamage) {
   EXPECT_EQ(registry.state().chosen(), "");
 }
 
+TEST_F(ModelRegistryFolder, ANumberThatDoesNotFitIsDamage) {
+  struct Case {
+    std::string key, value, other;
+  };
+  for (const auto& [key, value, other] :
+       {Case{"accepted", "1", "277988833338888888883333333333"},
+        Case{"accepted", "1", "18446744073709551615"}, Case{"accepted", "1", "1.5"},
+        Case{"unclean_ends", "0", "4294967297"}, Case{"unclean_ends", "0", "\"2\""},
+        Case{"last_order", "0", "-1e30"}}) {
+    const std::string place = "\"" + key + "\": ";
+    writeWith(place + value, place + other);
+    const ModelRegistry registry(folder);
+    EXPECT_THAT(registry.trouble(), HasSubstr("'" + key + "' is ")) << other;
+    EXPECT_THAT(registry.trouble(), HasSubstr("must be a whole number")) << other;
+    EXPECT_TRUE(registry.state().models.empty()) << other;
+  }
+}
+
 TEST_F(ModelRegistryFolder, TheNewestThatIsNotRejectedIsChosenUnlessOneIsPinned) {
   RegistryState state = twoModels();
   EXPECT_EQ(state.chosen(), "0badc0de");
