@@ -19,8 +19,8 @@ constexpr std::size_t kLanes = 8;
 // The radius squared that holds `wanted` of n points, and how many it holds: more where those farthest are
 // equally far away. `upto`: how many the limit holds. On a surface their number grows as the square of the
 // radius does.
-inline std::pair<float, int> radiusOf(int wanted, const float* squared, std::size_t n, float limit,
-                                      int upto) {
+BOXGRASP_SIMD_PART std::pair<float, int> radiusOf(int wanted, const float* squared, std::size_t n,
+                                                  float limit, int upto) {
   float below = 0.0f, within = limit;
   for (int inside = 0; upto > wanted;) {
     const float share = (static_cast<float>(wanted - inside) + 0.5f) / static_cast<float>(upto - inside + 1);
@@ -35,7 +35,7 @@ inline std::pair<float, int> radiusOf(int wanted, const float* squared, std::siz
 }
 
 // The least of n values, or the limit.
-inline float leastOf(const float* values, std::size_t n, float limit) {
+BOXGRASP_SIMD_PART float leastOf(const float* values, std::size_t n, float limit) {
   float least[kLanes];
   std::fill_n(least, kLanes, limit);
   for (std::size_t i = 0; i < n; i += kLanes) {
@@ -46,7 +46,7 @@ inline float leastOf(const float* values, std::size_t n, float limit) {
 }
 
 // The sum of the roots of those of n values that do not exceed the limit. Changes the values.
-inline float sumOfRoots(float* values, std::size_t n, float limit) {
+BOXGRASP_SIMD_PART float sumOfRoots(float* values, std::size_t n, float limit) {
   float sums[kLanes] = {};
   for (std::size_t i = 0; i < n; ++i) values[i] = std::sqrt(values[i] <= limit ? values[i] : 0.0f);
   for (std::size_t i = 0; i < n; i += kLanes) {

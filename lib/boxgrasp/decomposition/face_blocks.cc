@@ -30,8 +30,8 @@ BOXGRASP_SIMD void reachOut(const float* x, const float* y, const float* half_x,
 }
 
 // How far each point of a block reaches out of a region.
-inline void pointsOut(const float* x, const float* y, const HalfPlane* planes, std::size_t count,
-                      float* reach) {
+BOXGRASP_SIMD_PART void pointsOut(const float* x, const float* y, const HalfPlane* planes, std::size_t count,
+                                  float* reach) {
   for (std::size_t i = 0; i < kBlock; ++i) reach[i] = -kInfinity;
   for (std::size_t p = 0; p < count; ++p) {
     const float a = planes[p].normal_x, b = planes[p].normal_y, c = planes[p].offset;

@@ -2,37 +2,56 @@
 
 #include <algorithm>
 
+#include "boxgrasp/base/simd.h"
+
 namespace boxgrasp {
-namespace {
+
+namespace z_order_passes {
 
 constexpr std::uint32_t kBits = 5;
 constexpr std::uint32_t kCells = 1u << kBits;
 
+struct Grid {
+  float low[3];
+  float scale;
+};
+
 // Leaves two empty bits between the bits of a number.
-std::uint32_t spread(std::uint32_t number) {
-  std::uint32_t result = 0;
-  for (std::uint32_t bit = 0; bit < kBits; ++bit) result |= (number >> bit & 1u) << 3 * bit;
-  return result;
+BOXGRASP_SIMD_PART std::uint32_t spread(std::uint32_t number) {
+  const std::uint32_t halved = (number | number << 8) & 0x100fu;
+  const std::uint32_t quartered = (halved | halved << 4) & 0x10c3u;
+  return (quartered | quartered << 2) & 0x1249u;
 }
 
-std::array<std::uint32_t, kCells> spreadTable() {
-  std::array<std::uint32_t, kCells> table;
-  for (std::uint32_t i = 0; i < kCells; ++i) table[i] = spread(i);
-  return table;
+BOXGRASP_SIMD_PART std::uint32_t placeOf(float value, float low, float scale) {
+  const float place = (value - low) * scale;
+  return spread(
+      static_cast<std::uint32_t>(static_cast<std::int32_t>(place < kCells - 1 ? place : kCells - 1)));
 }
+
+BOXGRASP_SIMD void cellsOf(const float* x, const float* y, const float* z, std::size_t n, const Grid& grid,
+                           std::uint32_t* cells) {
+  const Grid g = grid;
+  for (std::size_t i = 0; i < n; ++i) {
+    cells[i] = placeOf(x[i], g.low[0], g.scale) << 2 | placeOf(y[i], g.low[1], g.scale) << 1 |
+               placeOf(z[i], g.low[2], g.scale);
+  }
+}
+
+}  // namespace z_order_passes
+
+namespace {
+
+using z_order_passes::Grid;
+using z_order_passes::kCells;
 
 std::vector<std::uint32_t> cellsOf(const PointCloud& cloud) {
   const Eigen::AlignedBox3d box = bounds(cloud);
-  const double scale = kCells / std::max(box.sizes().maxCoeff(), 1e-30);
-  const auto table = spreadTable();
-  const auto place = [&](float value, double low) {
-    return table[std::min(kCells - 1, static_cast<std::uint32_t>((value - low) * scale))];
-  };
+  const Eigen::Vector3f low = box.min().cast<float>();
+  const Grid grid{{low.x(), low.y(), low.z()},
+                  static_cast<float>(kCells / std::max(box.sizes().maxCoeff(), 1e-30))};
   std::vector<std::uint32_t> cells(cloud.size());
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    cells[i] = place(cloud.x[i], box.min().x()) << 2 | place(cloud.y[i], box.min().y()) << 1 |
-               place(cloud.z[i], box.min().z());
-  }
+  z_order_passes::cellsOf(cloud.x.data(), cloud.y.data(), cloud.z.data(), cloud.size(), grid, cells.data());
   return cells;
 }
 

@@ -9,16 +9,17 @@ namespace boxgrasp {
 
 namespace range_passes {
 
-constexpr std::size_t kLanes = 16;
+constexpr std::size_t kLanes = 32;
 
-inline ValueRange rangeOf(const float* values, std::size_t n) {
+BOXGRASP_SIMD_PART ValueRange rangeOf(const float* values, std::size_t n) {
   float low[kLanes], high[kLanes];
   for (std::size_t k = 0; k < kLanes; ++k) low[k] = ValueRange{}.min, high[k] = ValueRange{}.max;
   const std::size_t whole = n - n % kLanes;
   for (std::size_t i = 0; i < whole; i += kLanes) {
     for (std::size_t k = 0; k < kLanes; ++k) {
-      low[k] = values[i + k] < low[k] ? values[i + k] : low[k];
-      high[k] = values[i + k] > high[k] ? values[i + k] : high[k];
+      const float value = values[i + k];
+      low[k] = value < low[k] ? value : low[k];
+      high[k] = value > high[k] ? value : high[k];
     }
   }
   for (std::size_t i = whole; i < n; ++i) {
@@ -38,12 +39,14 @@ BOXGRASP_SIMD void rangeOfAll(const float* values, std::size_t n, ValueRange& ra
   range = rangeOf(values, n);
 }
 
-BOXGRASP_SIMD void rangesOfBlocks(const float* values, std::size_t n, std::size_t block, float* middle,
-                                  float* half) {
+BOXGRASP_SIMD void rangesOfBlocks(const float* values, std::size_t n, std::size_t block,
+                                  BlockRanges& ranges) {
   for (std::size_t begin = 0, b = 0; begin < n; begin += block, ++b) {
     const ValueRange range = rangeOf(values + begin, std::min(block, n - begin));
-    middle[b] = 0.5f * range.min + 0.5f * range.max;
-    half[b] = 0.5f * range.max - 0.5f * range.min;
+    ranges.middle[b] = 0.5f * range.min + 0.5f * range.max;
+    ranges.half[b] = 0.5f * range.max - 0.5f * range.min;
+    ranges.all.min = std::min(ranges.all.min, range.min);
+    ranges.all.max = std::max(ranges.all.max, range.max);
   }
 }
 
@@ -76,8 +79,8 @@ ValueRange rangeOf(std::span<const float> values) {
 
 BlockRanges blockRanges(std::span<const float> values, std::size_t block) {
   const std::size_t count = (values.size() + block - 1) / block;
-  BlockRanges ranges{std::vector<float>(count), std::vector<float>(count)};
-  range_passes::rangesOfBlocks(values.data(), values.size(), block, ranges.middle.data(), ranges.half.data());
+  BlockRanges ranges{std::vector<float>(count), std::vector<float>(count), {}};
+  range_passes::rangesOfBlocks(values.data(), values.size(), block, ranges);
   return ranges;
 }
 

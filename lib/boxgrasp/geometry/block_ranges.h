@@ -16,9 +16,10 @@ struct ValueRange {
 // The smallest and the largest of the values; of none the empty range.
 ValueRange rangeOf(std::span<const float> values);
 
-// Of each block of values, the middle of its range and half the range's width.
+// Of each block of values, the middle of its range and half the range's width; and the range of all values.
 struct BlockRanges {
   std::vector<float> middle, half;
+  ValueRange all;
 
   std::size_t size() const { return middle.size(); }
 };

@@ -1,83 +1,96 @@
 #include "boxgrasp/geometry/canonical_frame.h"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cassert>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include "boxgrasp/base/simd.h"
 
 namespace boxgrasp {
 
-// Sums of fixed-point numbers: integers add up to the same total in any order. Every summand is at most about
-// 1 in size and is rounded to a multiple of 2^-30, so 2^32 of them fit. Powers of two are put into the
-// coordinates, so that sums, products and cubes need no other factor.
+// Sums of fixed-point numbers: integers add up to the same total in any order. Every summand is at most 1 in
+// size and is rounded to a multiple of 2^-21.
 namespace canonical_sums {
 
-constexpr double kOne = 0x1p30;
-constexpr double kRootOfOne = 0x1p15, kCubeRootOfOne = 0x1p10;
-// Adding it to a double of size below 2^51 leaves the nearest integer in the low bits of the result: a
+constexpr float kOne = 0x1p21f;
+// Adding it to a float of size below 2^22 leaves the nearest integer in the low bits of the result: a
 // rounding that vectorises.
-constexpr double kShift = 0x1.8p52;
+constexpr float kShift = 0x1.8p23f;
+constexpr std::size_t kRun = 512;  // so many summands fit into 32 bits
 
 // The nearest integer, and the bits of kShift: they are taken off the sum.
-inline std::uint64_t shifted(double value) { return std::bit_cast<std::uint64_t>(value + kShift); }
+BOXGRASP_SIMD_PART std::uint32_t shifted(float value) { return std::bit_cast<std::uint32_t>(value + kShift); }
 
-inline std::int64_t unshifted(std::uint64_t sum, std::size_t summands) {
-  return static_cast<std::int64_t>(sum - summands * std::bit_cast<std::uint64_t>(kShift));
+BOXGRASP_SIMD_PART std::int64_t unshifted(std::uint32_t sum, std::size_t summands) {
+  return static_cast<std::int32_t>(sum - static_cast<std::uint32_t>(summands) *
+                                             std::bit_cast<std::uint32_t>(kShift));
 }
 
 struct Origin {
-  double x, y, z;
-  double scale;  // brings every |p - origin| component to 1 or less
+  float x, y, z;
+  float scale;  // brings every |p - origin| component to 1 or less
 };
 
 using Moments = std::array<std::int64_t, 9>;  // x, y, z, xx, xy, xz, yy, yz, zz
 
+BOXGRASP_SIMD_PART void addRun(const float* px, const float* py, const float* pz, std::size_t n,
+                               const Origin& o, Moments& moments) {
+  std::uint32_t sx = 0, sy = 0, sz = 0, sxx = 0, sxy = 0, sxz = 0, syy = 0, syz = 0, szz = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const float x = (px[i] - o.x) * o.scale, y = (py[i] - o.y) * o.scale, z = (pz[i] - o.z) * o.scale;
+    const float large_x = x * kOne, large_y = y * kOne, large_z = z * kOne;
+    sx += shifted(large_x);
+    sy += shifted(large_y);
+    sz += shifted(large_z);
+    sxx += shifted(large_x * x);
+    sxy += shifted(large_x * y);
+    sxz += shifted(large_x * z);
+    syy += shifted(large_y * y);
+    syz += shifted(large_y * z);
+    szz += shifted(large_z * z);
+  }
+  const std::array sums{sx, sy, sz, sxx, sxy, sxz, syy, syz, szz};
+  for (std::size_t i = 0; i < sums.size(); ++i) moments[i] += unshifted(sums[i], n);
+}
+
 BOXGRASP_SIMD Moments secondMoments(const float* px, const float* py, const float* pz, std::size_t n,
                                     const Origin& origin) {
   const Origin o = origin;
-  const double scale = o.scale * kRootOfOne;
-  std::uint64_t sx = 0, sy = 0, sz = 0, sxx = 0, sxy = 0, sxz = 0, syy = 0, syz = 0, szz = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const double x = (px[i] - o.x) * scale, y = (py[i] - o.y) * scale, z = (pz[i] - o.z) * scale;
-    sx += shifted(x * kRootOfOne);
-    sy += shifted(y * kRootOfOne);
-    sz += shifted(z * kRootOfOne);
-    sxx += shifted(x * x);
-    sxy += shifted(x * y);
-    sxz += shifted(x * z);
-    syy += shifted(y * y);
-    syz += shifted(y * z);
-    szz += shifted(z * z);
-  }
   Moments moments{};
-  const std::array sums{sx, sy, sz, sxx, sxy, sxz, syy, syz, szz};
-  for (std::size_t i = 0; i < sums.size(); ++i) moments[i] = unshifted(sums[i], n);
+  for (std::size_t i = 0; i < n; i += kRun) addRun(px + i, py + i, pz + i, std::min(kRun, n - i), o, moments);
   return moments;
 }
 
+// Unit vector times the scale, and what the true origin has along it.
 struct Direction {
-  double x, y, z;
+  float x, y, z, offset;
 };
 
-// The sums of (d.(p - origin))^3 for two directions d, unit vectors times the scale.
+// The sums of (d.(p - origin))^3 for two directions d.
 BOXGRASP_SIMD std::array<std::int64_t, 2> thirdMoments(const float* px, const float* py, const float* pz,
                                                        std::size_t n, const Origin& origin,
                                                        const Direction& first, const Direction& second) {
   const Origin o = origin;
-  const Direction a{first.x * kCubeRootOfOne, first.y * kCubeRootOfOne, first.z * kCubeRootOfOne};
-  const Direction b{second.x * kCubeRootOfOne, second.y * kCubeRootOfOne, second.z * kCubeRootOfOne};
-  std::uint64_t sum_a = 0, sum_b = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const double x = px[i] - o.x, y = py[i] - o.y, z = pz[i] - o.z;
-    const double s = a.x * x + a.y * y + a.z * z, t = b.x * x + b.y * y + b.z * z;
-    sum_a += shifted(s * s * s);
-    sum_b += shifted(t * t * t);
+  const Direction a = first, b = second;
+  std::array<std::int64_t, 2> moments{};
+  for (std::size_t begin = 0; begin < n; begin += kRun) {
+    const std::size_t end = std::min(n, begin + kRun);
+    std::uint32_t sum_a = 0, sum_b = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      const float x = px[i] - o.x, y = py[i] - o.y, z = pz[i] - o.z;
+      const float s = a.x * x + a.y * y + a.z * z - a.offset, t = b.x * x + b.y * y + b.z * z - b.offset;
+      sum_a += shifted(s * s * (s * kOne));
+      sum_b += shifted(t * t * (t * kOne));
+    }
+    moments[0] += unshifted(sum_a, end - begin);
+    moments[1] += unshifted(sum_b, end - begin);
   }
-  return {unshifted(sum_a, n), unshifted(sum_b, n)};
+  return moments;
 }
 
 }  // namespace canonical_sums
@@ -88,14 +101,30 @@ using canonical_sums::Direction;
 using canonical_sums::Moments;
 using canonical_sums::Origin;
 
-// Around the middle of the bounds, scaled by a power of two.
-Origin originOf(const PointCloud& cloud) {
-  const auto box = bounds(cloud);
-  const Vector3d middle = box.center();
-  const double reach = 0.5 * box.sizes().norm();
+// On the grid of the largest coordinates, where differences to it are exact: off it all would be rounded to
+// the same side.
+Origin originAt(const Vector3d& position, const Eigen::AlignedBox3d& bounds, double scale) {
+  int exponent = 0;
+  std::frexp(bounds.min().cwiseAbs().cwiseMax(bounds.max().cwiseAbs()).maxCoeff(), &exponent);
+  const double step = std::ldexp(1.0, exponent - std::numeric_limits<float>::digits);
+  const auto rounded = [&](double value) { return static_cast<float>(std::round(value / step) * step); };
+  return {rounded(position.x()), rounded(position.y()), rounded(position.z()), static_cast<float>(scale)};
+}
+
+Vector3d positionOf(const Origin& origin) { return {origin.x, origin.y, origin.z}; }
+
+// A power of two that brings a reach to 1 or less, and is a float.
+double scaleFor(double reach) {
   int exponent = 0;
   std::frexp(reach, &exponent);
-  return {middle.x(), middle.y(), middle.z(), std::ldexp(1.0, -exponent)};
+  return std::ldexp(1.0, std::min(-exponent, std::numeric_limits<float>::max_exponent - 1));
+}
+
+// The direction as seen from an origin that is the true one but for rounding.
+Direction directionFrom(const Origin& rounded, const Vector3d& origin, const Vector3d& axis) {
+  const Vector3d scaled = axis * static_cast<double>(rounded.scale);
+  return {static_cast<float>(scaled.x()), static_cast<float>(scaled.y()), static_cast<float>(scaled.z()),
+          static_cast<float>(scaled.dot(origin - positionOf(rounded)))};
 }
 
 Matrix3d covariance(const Moments& sums, double n, const Vector3d& mean) {
@@ -108,27 +137,27 @@ Matrix3d covariance(const Moments& sums, double n, const Vector3d& mean) {
 
 }  // namespace
 
-Pose canonicalFrame(const PointCloud& cloud_C) {
+Pose canonicalFrame(const PointCloud& cloud_C) { return canonicalFrame(cloud_C, bounds(cloud_C)); }
+
+Pose canonicalFrame(const PointCloud& cloud_C, const Eigen::AlignedBox3d& bounds_C) {
   assert(!cloud_C.empty());
-  const Origin middle = originOf(cloud_C);
-  const Moments sums = canonical_sums::secondMoments(cloud_C.x.data(), cloud_C.y.data(), cloud_C.z.data(),
-                                                     cloud_C.size(), middle);
+  const float *const x = cloud_C.x.data(), *const y = cloud_C.y.data(), *const z = cloud_C.z.data();
+  const double scale = scaleFor(0.5 * bounds_C.sizes().norm());
+  const Origin middle = originAt(bounds_C.center(), bounds_C, scale);
+  const Moments sums = canonical_sums::secondMoments(x, y, z, cloud_C.size(), middle);
   const double n = static_cast<double>(cloud_C.size());
   const Vector3d scaled_mean =
       Eigen::Map<const Eigen::Matrix<std::int64_t, 3, 1>>(sums.data()).cast<double>() /
       (n * canonical_sums::kOne);
   const Matrix3d vectors =
       Eigen::SelfAdjointEigenSolver<Matrix3d>(covariance(sums, n, scaled_mean)).eigenvectors();
-  const Vector3d mean = Vector3d(middle.x, middle.y, middle.z) + scaled_mean / middle.scale;
+  const Vector3d mean = positionOf(middle) + scaled_mean / scale;
   // Twice the reach from the middle bounds the reach from the mean.
-  const Origin origin{mean.x(), mean.y(), mean.z(), 0.5 * middle.scale};
+  const Origin origin = originAt(mean, bounds_C, 0.5 * scale);
+  const auto skewness = canonical_sums::thirdMoments(x, y, z, cloud_C.size(), origin,
+                                                     directionFrom(origin, mean, vectors.col(2)),
+                                                     directionFrom(origin, mean, vectors.col(1)));
   Matrix3d axes;
-  const auto scaled = [&](const Vector3d& axis) {
-    return Direction{axis.x() * origin.scale, axis.y() * origin.scale, axis.z() * origin.scale};
-  };
-  const auto skewness =
-      canonical_sums::thirdMoments(cloud_C.x.data(), cloud_C.y.data(), cloud_C.z.data(), cloud_C.size(),
-                                   origin, scaled(vectors.col(2)), scaled(vectors.col(1)));
   for (int i = 0; i < 2; ++i) {
     const Vector3d axis = vectors.col(2 - i);
     axes.col(i) = skewness[static_cast<std::size_t>(i)] < 0 ? Vector3d(-axis) : axis;

@@ -112,7 +112,8 @@ BOXGRASP_SIMD void settle(Places& places, const Rotations& next, const float* vo
 
 // The cosine of half the smallest angle that turns a box of the one orientation into one of the other: of the
 // 24 turns that map a cube on itself the best is known from the sizes of the components.
-inline float alikeness(float aw, float ax, float ay, float az, float bw, float bx, float by, float bz) {
+BOXGRASP_SIMD_PART float alikeness(float aw, float ax, float ay, float az, float bw, float bx, float by,
+                                   float bz) {
   const float w = std::abs(aw * bw + ax * bx + ay * by + az * bz);
   const float x = std::abs(aw * bx - ax * bw - ay * bz + az * by);
   const float y = std::abs(aw * by + ax * bz - ay * bw - az * bx);

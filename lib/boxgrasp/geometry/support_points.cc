@@ -22,7 +22,7 @@ struct Axis {
   float direction[3];
 };
 
-inline float valueAlong(const Axis& axis, float x, float y, float z) {
+BOXGRASP_SIMD_PART float valueAlong(const Axis& axis, float x, float y, float z) {
   return axis.direction[0] * (x - axis.origin[0]) + axis.direction[1] * (y - axis.origin[1]) +
          axis.direction[2] * (z - axis.origin[2]);
 }
@@ -62,11 +62,12 @@ BOXGRASP_SIMD void valuesOf(const float* px, const float* py, const float* pz, s
 
 // The least and the largest value that a point of each block can have, but for rounding.
 BOXGRASP_SIMD void boundBlocks(const float* const* middle, const float* const* half, std::size_t blocks,
-                               const Axis& along, float* low, float* high) {
+                               const Axis& along, float* __restrict low, float* __restrict high) {
   const Axis axis = along;
+  const float *const middle_x = middle[0], *const middle_y = middle[1], *const middle_z = middle[2];
   const float *const half_x = half[0], *const half_y = half[1], *const half_z = half[2];
   for (std::size_t b = 0; b < blocks; ++b) {
-    const float value = valueAlong(axis, middle[0][b], middle[1][b], middle[2][b]);
+    const float value = valueAlong(axis, middle_x[b], middle_y[b], middle_z[b]);
     const float reach = std::abs(axis.direction[0]) * half_x[b] + std::abs(axis.direction[1]) * half_y[b] +
                         std::abs(axis.direction[2]) * half_z[b];
     low[b] = value - reach;
@@ -187,10 +188,8 @@ SupportPoints::SupportPoints(const PointCloud& cloud)
     : cloud_(cloud),
       coordinates_{blockRanges(cloud.x, kBlock), blockRanges(cloud.y, kBlock), blockRanges(cloud.z, kBlock)} {
   assert(!cloud.empty());
-  for (const BlockRanges& ranges : coordinates_) {
-    for (std::size_t b = 0; b < ranges.size(); ++b)
-      reach_ = std::max(reach_, static_cast<double>(std::abs(ranges.middle[b]) + ranges.half[b]));
-  }
+  for (const BlockRanges& ranges : coordinates_)
+    reach_ = std::max({reach_, static_cast<double>(-ranges.all.min), static_cast<double>(ranges.all.max)});
 }
 
 void SupportPoints::append(const Vector3d& origin, const std::vector<Vector3d>& directions,
@@ -198,6 +197,11 @@ void SupportPoints::append(const Vector3d& origin, const std::vector<Vector3d>& 
   const auto margin = static_cast<float>(kRounding * (reach_ + origin.lpNorm<1>()));
   for (const Vector3d& direction : directions)
     Extremes(cloud_, coordinates_, axisOf(origin, direction), margin).append(found);
+}
+
+Eigen::AlignedBox3d SupportPoints::bounds() const {
+  const auto& [x, y, z] = coordinates_;
+  return {Vector3d(x.all.min, y.all.min, z.all.min), Vector3d(x.all.max, y.all.max, z.all.max)};
 }
 
 AxisRanges SupportPoints::ranges(const Matrix3d& axes) const {

@@ -20,6 +20,9 @@ class SupportPoints {
   // taken, so the order of the cloud does not matter.
   void append(const Vector3d& origin, const std::vector<Vector3d>& directions, PointCloud& found) const;
 
+  // What bounds() gives for the cloud.
+  Eigen::AlignedBox3d bounds() const;
+
   // What rangesAlong() gives for the cloud.
   AxisRanges ranges(const Matrix3d& axes) const;
 

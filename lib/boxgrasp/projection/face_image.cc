@@ -14,7 +14,9 @@ namespace image_passes {
 constexpr double kGrayRange = 254.0;  // from 255 at the face to 1 at the far side
 
 // Rounds halves away from zero, so that mirrored coordinates give mirrored pixels.
-inline int nearestInteger(double value) { return static_cast<int>(value + std::copysign(0.5, value)); }
+BOXGRASP_SIMD_PART int nearestInteger(double value) {
+  return static_cast<int>(value + std::copysign(0.5, value));
+}
 
 // The pixels of n points, counted from the middle of the image along one axis of the face; what lies beyond
 // the face's end is drawn at its end. `axis`: the coefficients of the coordinate in F, and its offset.

@@ -73,7 +73,7 @@ TEST(CanonicalFrame, IsAccurateFarFromTheOriginAndForAnyUnit) {
   std::mt19937_64 random(4);
   const PointCloud cloud = skewedCloud(500, random);
   const Pose X_CK = canonicalFrame(cloud);
-  for (const double scale : {1e-3, 1e3, 1e9}) {
+  for (const double scale : {1e-30, 1e-3, 1e3, 1e9}) {
     PointCloud scaled;
     for (std::size_t i = 0; i < cloud.size(); ++i) scaled.push(scale * cloud.point(i));
     const Pose other = canonicalFrame(scaled);

@@ -17,6 +17,8 @@ TEST(BlockRanges, HoldTheValuesAndTouchTheOutermost) {
     for (std::size_t i = 0; i < n; ++i) values.push_back(static_cast<float>(normal(random)));
     const BlockRanges ranges = blockRanges(values, 48);
     ASSERT_EQ(ranges.size(), (n + 47) / 48);
+    EXPECT_EQ(ranges.all.min, *std::ranges::min_element(values));
+    EXPECT_EQ(ranges.all.max, *std::ranges::max_element(values));
     for (std::size_t b = 0; b < ranges.size(); ++b) {
       const auto begin = values.begin() + static_cast<std::ptrdiff_t>(48 * b);
       const auto end = values.begin() + static_cast<std::ptrdiff_t>(std::min(n, 48 * (b + 1)));
@@ -72,6 +74,8 @@ TEST(SupportPoints, HaveTheRangesOfAllPointsToTheLastBit) {
         transformed(test::gaussianCloud(n, {0.1, 0.05, 0.02}, random), test::randomPose(random));
     if (n == 5000) std::sort(cloud.x.begin(), cloud.x.end());  // blocks that are far apart
     const SupportPoints supports(cloud);
+    EXPECT_EQ(supports.bounds().min(), bounds(cloud).min());
+    EXPECT_EQ(supports.bounds().max(), bounds(cloud).max());
     for (int round = 0; round < 50; ++round) {
       const Matrix3d axes = round == 0 ? Matrix3d(Matrix3d::Identity()) : test::randomPose(random).linear();
       const AxisRanges ranges = supports.ranges(axes), expected = rangesAlong(cloud, axes);
