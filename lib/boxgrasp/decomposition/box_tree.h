@@ -22,10 +22,10 @@ struct BoxNode {
   int parent = -1;              // index in BoxTree::nodes; -1 for the root
   int first = -1, second = -1;  // children; -1 for a leaf
   int depth = 0;
-  double theta = -1.0;                // the best split's Theta* (Eq. 1); -1 where none is below t
-  std::optional<Cut> cut;             // the best split found, made or not
-  double volume_gain = -1.0;          // (V(p) + V(q)) / V(box) of that split; -1 where none was tried
-  std::string stop_reason;            // why a leaf was not split; empty for an inner node
+  double theta = -1.0;        // the best split's Theta* (Eq. 1); -1 where none is below t
+  std::optional<Cut> cut;     // the best split found, made or not
+  double volume_gain = -1.0;  // (V(p) + V(q)) / V(box) of that split, for a leaf at least; -1: none was tried
+  std::string stop_reason;    // why a leaf was not split; empty for an inner node
   std::vector<std::uint32_t> points;  // indices into the decomposed cloud, ascending
 
   bool leaf() const { return first < 0; }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numeric>
 
 #include "boxgrasp/base/error.h"
 #include "boxgrasp/base/parallel.h"
@@ -90,6 +91,7 @@ struct Trial {
   std::optional<Cut> cut;
   Parts parts;
   double volume = -1.0;    // of both parts' boxes
+  bool fitted = false;     // else the parts have no boxes, which would have that volume at least
   std::string impossible;  // why there are no parts
 };
 
@@ -148,11 +150,31 @@ class TreeBuilder {
     trial.theta = best->theta;
     trial.cut = cutAlong(best->line, best->face, part.box);
     trial.parts = divide(part, faces[best->face], best->line);
-    parallelFor(2, options_.threads, [&](std::size_t i) {
-      trial.parts[i].box = minVolumeBox(trial.parts[i].points_C, {}, stop_);
-    });
-    trial.volume = trial.parts[0].box.volume() + trial.parts[1].box.volume();
+    fitBoxes(part.box.volume(), trial);
     return trial;
+  }
+
+  // Fits boxes to the parts, unless it is certain before they are found that they are not small enough: most
+  // trials end so.
+  void fitBoxes(double volume, Trial& trial) const {
+    std::array<std::optional<BoxSearch>, 2> searches;
+    std::array<char, 2> goes_on{};
+    parallelFor(2, options_.threads,
+                [&](std::size_t i) { searches[i].emplace(trial.parts[i].points_C, stop_); });
+    do {
+      trial.volume = searches[0]->volumeAtLeast() + searches[1]->volumeAtLeast();
+      if (gainOf(volume, trial.volume) >= options_.gain_t) return;
+      parallelFor(2, options_.threads,
+                  [&](std::size_t i) { goes_on[i] = searches[i]->advance(stop_) ? 1 : 0; });
+    } while (goes_on[0] || goes_on[1]);
+    for (const std::size_t i : {0, 1}) trial.parts[i].box = searches[i]->box();
+    trial.volume = trial.parts[0].box.volume() + trial.parts[1].box.volume();
+    trial.fitted = true;
+  }
+
+  // The gain where a box of a volume gives way to two of another in sum.
+  double gainOf(double before, double after) const {
+    return options_.gain == GainMeasure::local ? after / before : (volume_ - before + after) / volume_;
   }
 
   std::string tooSmall(const Part& part) const {
@@ -173,19 +195,22 @@ class TreeBuilder {
   }
 
   // Makes the split, or says why not.
-  std::string decide(int index, const Trial& trial) {
+  std::string decide(int index, Trial& trial) {
     if (!trial.impossible.empty()) return trial.impossible;
     BoxNode& node = tree_.nodes[index];
     const int depth = node.depth + 1;
     node.theta = trial.theta;
     node.cut = trial.cut;
-    node.volume_gain = trial.volume / node.box.volume();
-    const double volume = volume_ - node.box.volume() + trial.volume;
-    const double gain = options_.gain == GainMeasure::local ? node.volume_gain : volume / volume_;
-    if (gain >= options_.gain_t)
-      return fmt::format("volume gain {:.3f} is not below t = {:.3f}", gain, options_.gain_t);
+    const double before = node.box.volume();
+    if (!trial.fitted && gainOf(before, trial.volume) < options_.gain_t) fitBoxes(before, trial);
+    node.volume_gain = trial.volume / before;
+    const double gain = gainOf(before, trial.volume);
+    if (gain >= options_.gain_t) {
+      return fmt::format("volume gain {}{:.3f} is not below t = {:.3f}", trial.fitted ? "" : "of at least ",
+                         gain, options_.gain_t);
+    }
     if (leaves_ == options_.max_leaves) return fmt::format("there are {} boxes already", leaves_);
-    volume_ = volume;
+    volume_ += trial.volume - before;
     ++leaves_;
     node.first = static_cast<int>(tree_.nodes.size());
     node.second = node.first + 1;
@@ -193,7 +218,7 @@ class TreeBuilder {
     return {};
   }
 
-  // Gives each point to its leaf and to all that are above it, in ascending order.
+  // Gives all points to the root, and each node's points to its children, in ascending order.
   void givePoints() {
     std::vector<int> leaf_of(cloud_C_.size());
     std::vector<std::size_t> sizes(tree_.nodes.size(), 0);
@@ -201,10 +226,25 @@ class TreeBuilder {
       for (const std::uint32_t index : indices) leaf_of[index] = leaf;
       for (int node = leaf; node >= 0; node = tree_.nodes[node].parent) sizes[node] += indices.size();
     }
-    for (std::size_t node = 0; node < sizes.size(); ++node) tree_.nodes[node].points.reserve(sizes[node]);
-    for (std::uint32_t i = 0; i < leaf_of.size(); ++i) {
-      for (int node = leaf_of[i]; node >= 0; node = tree_.nodes[node].parent)
-        tree_.nodes[node].points.push_back(i);
+    for (std::size_t node = 0; node < sizes.size(); ++node) tree_.nodes[node].points.resize(sizes[node]);
+    std::iota(tree_.nodes[0].points.begin(), tree_.nodes[0].points.end(), 0u);
+    for (const BoxNode& node : tree_.nodes) {
+      if (!node.leaf()) partPoints(node, leaf_of);
+    }
+  }
+
+  void partPoints(const BoxNode& node, const std::vector<int>& leaf_of) {
+    std::vector<char> is_first(tree_.nodes.size());  // of leaves: below the first child
+    for (const auto& [leaf, indices] : leaves_of_) {
+      int above = leaf;
+      while (above > node.first) above = tree_.nodes[above].parent;  // children stand behind their parents
+      is_first[leaf] = above == node.first ? 1 : 0;
+    }
+    std::uint32_t* first = tree_.nodes[node.first].points.data();
+    std::uint32_t* second = tree_.nodes[node.second].points.data();
+    for (const std::uint32_t index : node.points) {
+      std::uint32_t*& to = is_first[leaf_of[index]] ? first : second;
+      *to++ = index;
     }
   }
 

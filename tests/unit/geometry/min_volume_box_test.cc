@@ -113,6 +113,23 @@ TEST(MinVolumeBox, IsWithinTwoPerMilleOfTheExhaustiveSearch) {
   }
 }
 
+TEST(BoxSearch, KnowsAtEachStepWhatTheVolumeWillBeAtLeast) {
+  std::mt19937_64 random(9);
+  for (const std::size_t n : {1u, 20u, 96u, 300u, 3000u}) {
+    for (const auto& [name, cloud] : shapes(n, random)) {
+      SCOPED_TRACE(name + " of " + std::to_string(n));
+      const OrientedBox expected = minVolumeBox(cloud);
+      BoxSearch search(cloud);
+      do {
+        EXPECT_LT(search.volumeAtLeast(), expected.volume());
+      } while (search.advance());
+      EXPECT_GT(search.volumeAtLeast(), 0.97 * expected.volume()) << "expected both to meet in the end";
+      EXPECT_EQ(search.box().X_CB.matrix(), expected.X_CB.matrix());
+      EXPECT_FALSE(search.advance()) << "the end is the end";
+    }
+  }
+}
+
 // A box with all its corners is its own minimum volume box.
 TEST(MinVolumeBox, FindsABoxAgain) {
   std::mt19937_64 random(3);
