@@ -1,12 +1,12 @@
 #include "boxgrasp/decomposition/line_bounds.h"
 
 #include <algorithm>
-#include <bit>
 #include <cassert>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 
+#include "boxgrasp/base/ordered_bits.h"
 #include "boxgrasp/base/simd.h"
 
 namespace boxgrasp {
@@ -16,24 +16,21 @@ namespace line_bound_passes {
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 // The place of the point farthest along (u, v) among those with a * x + b * y <= limit; n if there is none.
-// Numbers are compared as integers in the same order, since the least and the largest integer of many are
-// found in any order. Pre: n is at most kMostBoundPoints.
+// Pre: n is at most kMostBoundPoints.
 BOXGRASP_SIMD std::int32_t farthest(const float* x, const float* y, std::int32_t n, float u, float v, float a,
                                     float b, float limit) {
   std::int32_t keys[kMostBoundPoints], best = std::numeric_limits<std::int32_t>::min();
   for (std::int32_t i = 0; i < n; ++i) {
     const float along = u * x[i] + v * y[i];
-    const auto bits = std::bit_cast<std::int32_t>(a * x[i] + b * y[i] <= limit ? along : -kInfinity);
-    keys[i] = bits ^ ((bits >> 31) & 0x7fffffff);
+    keys[i] = orderedBits(a * x[i] + b * y[i] <= limit ? along : -kInfinity);
     best = keys[i] > best ? keys[i] : best;
   }
-  const auto none = std::bit_cast<std::int32_t>(-kInfinity) ^ 0x7fffffff;
   std::int32_t place = n;
   for (std::int32_t i = 0; i < n; ++i) {
     const std::int32_t here = keys[i] == best ? i : n;
     place = here < place ? here : place;
   }
-  return best == none ? n : place;
+  return best == orderedBits(-kInfinity) ? n : place;
 }
 
 }  // namespace line_bound_passes

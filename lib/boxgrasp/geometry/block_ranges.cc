@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "boxgrasp/base/ordered_bits.h"
 #include "boxgrasp/base/simd.h"
 
 namespace boxgrasp {
@@ -12,27 +13,13 @@ namespace range_passes {
 constexpr std::size_t kLanes = 32;
 
 BOXGRASP_SIMD_PART ValueRange rangeOf(const float* values, std::size_t n) {
-  float low[kLanes], high[kLanes];
-  for (std::size_t k = 0; k < kLanes; ++k) low[k] = ValueRange{}.min, high[k] = ValueRange{}.max;
-  const std::size_t whole = n - n % kLanes;
-  for (std::size_t i = 0; i < whole; i += kLanes) {
-    for (std::size_t k = 0; k < kLanes; ++k) {
-      const float value = values[i + k];
-      low[k] = value < low[k] ? value : low[k];
-      high[k] = value > high[k] ? value : high[k];
-    }
+  std::int32_t low = orderedBits(ValueRange{}.min), high = orderedBits(ValueRange{}.max);
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::int32_t value = orderedBits(values[i]);
+    low = value < low ? value : low;
+    high = value > high ? value : high;
   }
-  for (std::size_t i = whole; i < n; ++i) {
-    low[0] = values[i] < low[0] ? values[i] : low[0];
-    high[0] = values[i] > high[0] ? values[i] : high[0];
-  }
-  for (std::size_t width = kLanes / 2; width > 0; width /= 2) {
-    for (std::size_t k = 0; k < width; ++k) {
-      low[k] = low[k + width] < low[k] ? low[k + width] : low[k];
-      high[k] = high[k + width] > high[k] ? high[k + width] : high[k];
-    }
-  }
-  return {low[0], high[0]};
+  return {fromOrderedBits(low), fromOrderedBits(high)};
 }
 
 BOXGRASP_SIMD void rangeOfAll(const float* values, std::size_t n, ValueRange& range) {
@@ -48,6 +35,16 @@ BOXGRASP_SIMD void rangesOfBlocks(const float* values, std::size_t n, std::size_
     ranges.all.min = std::min(ranges.all.min, range.min);
     ranges.all.max = std::max(ranges.all.max, range.max);
   }
+}
+
+// The first place of a value; n if there is none.
+BOXGRASP_SIMD std::size_t firstPlace(const float* values, std::size_t n, float value) {
+  auto place = static_cast<std::int32_t>(n);
+  for (std::int32_t i = 0; i < static_cast<std::int32_t>(n); ++i) {
+    const std::int32_t here = values[i] == value ? i : static_cast<std::int32_t>(n);
+    place = here < place ? here : place;
+  }
+  return static_cast<std::size_t>(place);
 }
 
 // Writes the places of the values above a limit, and returns how many there are; writes to one place more.
@@ -85,8 +82,8 @@ BlockRanges blockRanges(std::span<const float> values, std::size_t block) {
 }
 
 std::size_t placeOf(float value, std::span<const float> values) {
-  const auto found = std::find(values.begin(), values.end(), value);
-  return found == values.end() ? 0 : static_cast<std::size_t>(found - values.begin());
+  const std::size_t place = range_passes::firstPlace(values.data(), values.size(), value);
+  return place == values.size() ? 0 : place;
 }
 
 std::vector<std::uint32_t> placesAbove(std::span<const float> values, float limit) {

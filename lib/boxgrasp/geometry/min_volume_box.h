@@ -46,7 +46,7 @@ class BoxSearch {
 
  private:
   PointCloud seeds() const;
-  bool mayImprove() const;
+  bool mayGain(double share) const;
   PointCloud measure();
   bool takeIn(const PointCloud& points_C);
 

@@ -6,14 +6,14 @@
 #include <limits>
 #include <tuple>
 
+#include "boxgrasp/base/ordered_bits.h"
 #include "boxgrasp/base/simd.h"
 
 namespace boxgrasp {
 
 namespace support_passes {
 
-constexpr std::size_t kLanes = 16;
-constexpr std::size_t kBlock = 256;
+constexpr std::size_t kBlock = 128;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 // Values are measured from an origin along a direction.
@@ -30,28 +30,13 @@ BOXGRASP_SIMD_PART float valueAlong(const Axis& axis, float x, float y, float z)
 BOXGRASP_SIMD ValueRange rangeAlong(const float* px, const float* py, const float* pz, std::size_t n,
                                     const Axis& along) {
   const Axis axis = along;
-  float low[kLanes], high[kLanes];
-  for (std::size_t k = 0; k < kLanes; ++k) low[k] = kInfinity, high[k] = -kInfinity;
-  const std::size_t whole = n - n % kLanes;
-  for (std::size_t i = 0; i < whole; i += kLanes) {
-    for (std::size_t k = 0; k < kLanes; ++k) {
-      const float value = valueAlong(axis, px[i + k], py[i + k], pz[i + k]);
-      low[k] = value < low[k] ? value : low[k];
-      high[k] = value > high[k] ? value : high[k];
-    }
+  std::int32_t low = orderedBits(kInfinity), high = orderedBits(-kInfinity);
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::int32_t value = orderedBits(valueAlong(axis, px[i], py[i], pz[i]));
+    low = value < low ? value : low;
+    high = value > high ? value : high;
   }
-  for (std::size_t i = whole; i < n; ++i) {
-    const float value = valueAlong(axis, px[i], py[i], pz[i]);
-    low[0] = value < low[0] ? value : low[0];
-    high[0] = value > high[0] ? value : high[0];
-  }
-  for (std::size_t width = kLanes / 2; width > 0; width /= 2) {
-    for (std::size_t k = 0; k < width; ++k) {
-      low[k] = low[k + width] < low[k] ? low[k + width] : low[k];
-      high[k] = high[k + width] > high[k] ? high[k + width] : high[k];
-    }
-  }
-  return {low[0], high[0]};
+  return {fromOrderedBits(low), fromOrderedBits(high)};
 }
 
 BOXGRASP_SIMD void valuesOf(const float* px, const float* py, const float* pz, std::size_t n,
@@ -115,18 +100,24 @@ void append(const Smallest& smallest, PointCloud& found) {
   found.push({x, y, z});
 }
 
+// What is known of each block along an axis. Its memory serves for many axes.
+struct BlockBounds {
+  explicit BlockBounds(std::size_t blocks) : low(blocks), high(blocks), reach(blocks) {}
+  std::vector<float> low, high, reach;
+};
+
 // The search along one axis. Blocks that cannot hold an outermost point are not looked at.
 class Extremes {
  public:
   // Values may be wrong by a third of the margin.
   Extremes(const PointCloud& cloud, const std::array<BlockRanges, 3>& coordinates, const Axis& axis,
-           float margin)
+           float margin, BlockBounds& bounds)
       : cloud_(cloud), axis_(axis) {
     const auto& [x, y, z] = coordinates;
     const std::array middle{x.middle.data(), y.middle.data(), z.middle.data()};
     const std::array half{x.half.data(), y.half.data(), z.half.data()};
     const std::size_t blocks = x.size();
-    std::vector<float> low(blocks), high(blocks), reach(blocks);
+    auto& [low, high, reach] = bounds;
     support_passes::boundBlocks(middle.data(), half.data(), blocks, axis_, low.data(), high.data());
     const std::size_t lowest = placeOf(rangeOf(low).min, low), highest = placeOf(rangeOf(high).max, high);
     look(lowest);
@@ -195,8 +186,9 @@ SupportPoints::SupportPoints(const PointCloud& cloud)
 void SupportPoints::append(const Vector3d& origin, const std::vector<Vector3d>& directions,
                            PointCloud& found) const {
   const auto margin = static_cast<float>(kRounding * (reach_ + origin.lpNorm<1>()));
+  BlockBounds bounds(coordinates_[0].size());
   for (const Vector3d& direction : directions)
-    Extremes(cloud_, coordinates_, axisOf(origin, direction), margin).append(found);
+    Extremes(cloud_, coordinates_, axisOf(origin, direction), margin, bounds).append(found);
 }
 
 Eigen::AlignedBox3d SupportPoints::bounds() const {
@@ -206,9 +198,10 @@ Eigen::AlignedBox3d SupportPoints::bounds() const {
 
 AxisRanges SupportPoints::ranges(const Matrix3d& axes) const {
   const auto margin = static_cast<float>(2.0 * kRounding * reach_);  // the axes themselves are rounded, too
+  BlockBounds bounds(coordinates_[0].size());
   AxisRanges ranges;
   for (int i = 0; i < 3; ++i) {
-    const Extremes extremes(cloud_, coordinates_, axisOf({0, 0, 0}, axes.col(i)), margin);
+    const Extremes extremes(cloud_, coordinates_, axisOf({0, 0, 0}, axes.col(i)), margin, bounds);
     Interval all;
     extremes.forEachBlock([&](std::size_t begin, std::size_t end) {
       const Interval range = rangeAlong(cloud_, begin, end, axes.col(i));
