@@ -10,11 +10,12 @@
 namespace boxgrasp {
 namespace {
 
-constexpr std::size_t kFewPoints = 96;       // a cloud this small is searched as it is
-constexpr std::size_t kSeedDirections = 12;  // of the first outermost points
-constexpr std::size_t kChecked = 3;          // orientations compared with the whole cloud in a round
-constexpr int kRounds = 20;                  // smooth shapes need the most
-constexpr int kPasses = 2;                   // the first pass can miss what only its own points reveal
+constexpr std::size_t kFewPoints = 96;           // a cloud this small is searched as it is
+constexpr std::size_t kSeedDirections = 12;      // of the first outermost points
+constexpr std::size_t kChecked = 3;              // orientations compared with the whole cloud in a round
+constexpr int kRounds = 20;                      // smooth shapes need the most
+constexpr int kPasses = 2;                       // the first pass can miss what only its own points reveal
+constexpr int kTrials = 100, kTrialsAgain = 50;  // of each descent; much is known before the second pass
 // Gains that are possible, relative to the volume: those below the first are not worth a comparison of more
 // than the best orientation, those below the second not worth a round.
 constexpr double kLittle = 5e-4, kNothing = 1e-5;
@@ -47,7 +48,7 @@ BoxSearch::BoxSearch(const PointCloud& cloud_C, const StopToken& stop)
       axes_C_(X_CK_.linear()) {
   stop.check();
   takeIn(cloud_C.size() <= kFewPoints ? cloud_C : seeds());
-  orientations_ = searchOrientations(few_K_);
+  orientations_ = searchOrientations(few_K_, kTrials);
 }
 
 bool BoxSearch::advance(const StopToken& stop) {
@@ -61,7 +62,7 @@ bool BoxSearch::advance(const StopToken& stop) {
       return true;
     }
   }
-  if (--passes_ > 0) orientations_ = searchOrientations(few_K_);
+  if (--passes_ > 0) orientations_ = searchOrientations(few_K_, kTrialsAgain);
   round_ = 0;
   return true;
 }

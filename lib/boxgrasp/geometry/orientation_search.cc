@@ -343,10 +343,10 @@ Matrix3d smallestBoxAxes(const PointCloud& points, const Vector3d& edge) {
   return axes;
 }
 
-std::vector<Orientation> searchOrientations(const PointCloud& points) {
+std::vector<Orientation> searchOrientations(const PointCloud& points, int trials) {
   static const std::vector<Quaternionf> lattice = orientationLattice();
   std::vector<Orientation> starts = distinct(measured(points, lattice), 3 * kLanes, kNeighbours);
-  descend(points, starts, 0.1f, kMostTrials);
+  descend(points, starts, 0.1f, trials);
   std::vector<Orientation> best = distinct(starts, kLanes / 2, kSame);
   descend(points, best, 0.01f, 40);
   std::stable_sort(best.begin(), best.end(), smaller);

@@ -16,9 +16,9 @@ struct Orientation {
 };
 
 // Some good orientations that differ from each other, the best first: a lattice over all orientations of a
-// box, then descents from its most promising places that are not neighbours. The order of the points does not
-// matter. Pre: not empty.
-std::vector<Orientation> searchOrientations(const PointCloud& points);
+// box, then descents of so many trials from its most promising places that are not neighbours. The order of
+// the points does not matter. Pre: not empty, trials from 1 to 100.
+std::vector<Orientation> searchOrientations(const PointCloud& points, int trials);
 
 // Brings orientations that were good for some of the points up to date with all of them; best first.
 void updateOrientations(const PointCloud& points, std::vector<Orientation>& orientations);
