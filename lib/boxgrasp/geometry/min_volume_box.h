@@ -18,9 +18,10 @@ struct MinVolumeBoxOptions {
 };
 
 // The box of least volume around the points, within 0.2 % of the best that the exhaustive search finds. Axes
-// are ordered by falling extent. A rigid motion of the cloud moves the box with it; the order of the points
-// does not matter. Degenerate clouds (one point, a line, a plane) give a box whose flat extents are
-// tolerance::kFlatExtent. Pre: the cloud is finite and not empty.
+// are ordered by falling extent. A rigid motion of the cloud moves the box with it, unless two boxes are too
+// nearly of one volume to tell which is smaller; the order of the points does not matter. Degenerate clouds
+// (one point, a line, a plane) give a box whose flat extents are tolerance::kFlatExtent. Pre: the cloud is
+// finite and not empty.
 OrientedBox minVolumeBox(const PointCloud& cloud_C, const MinVolumeBoxOptions& options = {},
                          const StopToken& stop = {});
 
@@ -38,7 +39,8 @@ class BoxSearch {
   // Takes another step; false, and nothing is done, if there is none.
   bool advance(const StopToken& stop = {});
 
-  // What the box's volume will be at least.
+  // What the box's volume will be at least, as far as the search can know: it has no proof that no other
+  // orientation is better.
   double volumeAtLeast() const;
 
   // The best box so far: the one of least volume when all steps are taken.
