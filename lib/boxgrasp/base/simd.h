@@ -5,7 +5,8 @@
 // at load time. Only for free functions of a .cc file with plain loops over arrays. Reductions keep an
 // explicit number of lanes, so that every version adds in the same order and gives the same bits; 32 where
 // little is done in each, since g++ unrolls loops of up to 16 rounds before it vectorises them, and then does
-// not. Nor does it where more than ten pairs of pointers could overlap: then outputs are __restrict.
+// not. The least and the largest are found by orderedBits(), without lanes. Where more than ten pairs of
+// pointers could overlap g++ gives up, too: then outputs are __restrict.
 // Sanitizers instrument the load-time choice before they are ready for it, so sanitized builds keep to the
 // plain version.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \

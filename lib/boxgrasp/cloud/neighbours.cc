@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "boxgrasp/base/ordered_bits.h"
 #include "boxgrasp/base/parallel.h"
 #include "boxgrasp/base/simd.h"
 #include "boxgrasp/geometry/voxels.h"
@@ -36,13 +37,12 @@ BOXGRASP_SIMD_PART std::pair<float, int> radiusOf(int wanted, const float* squar
 
 // The least of n values, or the limit.
 BOXGRASP_SIMD_PART float leastOf(const float* values, std::size_t n, float limit) {
-  float least[kLanes];
-  std::fill_n(least, kLanes, limit);
-  for (std::size_t i = 0; i < n; i += kLanes) {
-    for (std::size_t lane = 0; lane < kLanes; ++lane)
-      least[lane] = values[i + lane] < least[lane] ? values[i + lane] : least[lane];
+  std::int32_t least = orderedBits(limit);
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::int32_t value = orderedBits(values[i]);
+    least = value < least ? value : least;
   }
-  return *std::min_element(least, least + kLanes);
+  return fromOrderedBits(least);
 }
 
 // The sum of the roots of those of n values that do not exceed the limit. Changes the values.

@@ -158,14 +158,13 @@ class TreeBuilder {
   // trials end so.
   void fitBoxes(double volume, Trial& trial) const {
     std::array<std::optional<BoxSearch>, 2> searches;
-    std::array<char, 2> goes_on{};
+    std::array<bool, 2> goes_on{};
     parallelFor(2, options_.threads,
                 [&](std::size_t i) { searches[i].emplace(trial.parts[i].points_C, stop_); });
     do {
       trial.volume = searches[0]->volumeAtLeast() + searches[1]->volumeAtLeast();
       if (gainOf(volume, trial.volume) >= options_.gain_t) return;
-      parallelFor(2, options_.threads,
-                  [&](std::size_t i) { goes_on[i] = searches[i]->advance(stop_) ? 1 : 0; });
+      parallelFor(2, options_.threads, [&](std::size_t i) { goes_on[i] = searches[i]->advance(stop_); });
     } while (goes_on[0] || goes_on[1]);
     for (const std::size_t i : {0, 1}) trial.parts[i].box = searches[i]->box();
     trial.volume = trial.parts[0].box.volume() + trial.parts[1].box.volume();

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 
+#include "boxgrasp/base/ordered_bits.h"
 #include "boxgrasp/base/simd.h"
 
 namespace boxgrasp {
@@ -12,7 +13,6 @@ namespace boxgrasp {
 namespace block_passes {
 
 constexpr std::size_t kBlock = 64;  // a block is about as wide as the strip of points next to a cut
-constexpr std::size_t kLanes = 16;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 // How far each rectangle reaches out of a region.
@@ -53,25 +53,16 @@ BOXGRASP_SIMD void markOpen(const float* x, const float* y, const HalfPlane* a, 
 
 // Marks the points of a block that are nearest to a line on its side.
 BOXGRASP_SIMD void markNearest(const float* x, const float* y, Line line, std::uint8_t* mark) {
-  float below[kLanes], above[kLanes], values[kBlock];
-  for (std::size_t k = 0; k < kLanes; ++k) below[k] = -kInfinity, above[k] = kInfinity;
-  for (std::size_t i = 0; i < kBlock; i += kLanes) {
-    for (std::size_t k = 0; k < kLanes; ++k) {
-      const float value = line.normal_x * x[i + k] + line.normal_y * y[i + k];
-      const float low = value <= line.offset ? value : -kInfinity;
-      const float high = value <= line.offset ? kInfinity : value;
-      values[i + k] = value;
-      below[k] = low > below[k] ? low : below[k];
-      above[k] = high < above[k] ? high : above[k];
-    }
+  float values[kBlock];
+  std::int32_t below = orderedBits(-kInfinity), above = orderedBits(kInfinity);
+  for (std::size_t i = 0; i < kBlock; ++i) {
+    values[i] = line.normal_x * x[i] + line.normal_y * y[i];
+    const std::int32_t low = orderedBits(values[i] <= line.offset ? values[i] : -kInfinity);
+    const std::int32_t high = orderedBits(values[i] <= line.offset ? kInfinity : values[i]);
+    below = low > below ? low : below;
+    above = high < above ? high : above;
   }
-  for (std::size_t width = kLanes / 2; width > 0; width /= 2) {
-    for (std::size_t k = 0; k < width; ++k) {
-      below[k] = below[k + width] > below[k] ? below[k + width] : below[k];
-      above[k] = above[k + width] < above[k] ? above[k + width] : above[k];
-    }
-  }
-  const float highest_below = below[0], lowest_above = above[0];
+  const float highest_below = fromOrderedBits(below), lowest_above = fromOrderedBits(above);
   for (std::size_t i = 0; i < kBlock; ++i)
     mark[i] = (values[i] == highest_below) | (values[i] == lowest_above);
 }

@@ -8,22 +8,21 @@ namespace boxgrasp {
 
 namespace z_order_passes {
 
-constexpr std::uint32_t kBits = 5;
-constexpr std::uint32_t kCells = 1u << kBits;
+constexpr std::uint32_t kCells = 32;  // along each edge
 
 struct Grid {
   float low[3];
   float scale;
 };
 
-// Leaves two empty bits between the bits of a number.
+// Leaves two empty bits between the five bits of a number.
 BOXGRASP_SIMD_PART std::uint32_t spread(std::uint32_t number) {
   const std::uint32_t halved = (number | number << 8) & 0x100fu;
   const std::uint32_t quartered = (halved | halved << 4) & 0x10c3u;
   return (quartered | quartered << 2) & 0x1249u;
 }
 
-BOXGRASP_SIMD_PART std::uint32_t placeOf(float value, float low, float scale) {
+BOXGRASP_SIMD_PART std::uint32_t cellAlong(float value, float low, float scale) {
   const float place = (value - low) * scale;
   return spread(
       static_cast<std::uint32_t>(static_cast<std::int32_t>(place < kCells - 1 ? place : kCells - 1)));
@@ -33,8 +32,8 @@ BOXGRASP_SIMD void cellsOf(const float* x, const float* y, const float* z, std::
                            std::uint32_t* cells) {
   const Grid g = grid;
   for (std::size_t i = 0; i < n; ++i) {
-    cells[i] = placeOf(x[i], g.low[0], g.scale) << 2 | placeOf(y[i], g.low[1], g.scale) << 1 |
-               placeOf(z[i], g.low[2], g.scale);
+    cells[i] = cellAlong(x[i], g.low[0], g.scale) << 2 | cellAlong(y[i], g.low[1], g.scale) << 1 |
+               cellAlong(z[i], g.low[2], g.scale);
   }
 }
 

@@ -344,6 +344,7 @@ Matrix3d smallestBoxAxes(const PointCloud& points, const Vector3d& edge) {
 }
 
 std::vector<Orientation> searchOrientations(const PointCloud& points, int trials) {
+  assert(trials >= 1 && trials <= kMostTrials);
   static const std::vector<Quaternionf> lattice = orientationLattice();
   std::vector<Orientation> starts = distinct(measured(points, lattice), 3 * kLanes, kNeighbours);
   descend(points, starts, 0.1f, trials);

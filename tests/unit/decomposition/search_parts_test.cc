@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <numbers>
+#include <numeric>
 
 #include "boxgrasp/decomposition/face_blocks.h"
 #include "boxgrasp/decomposition/line_bounds.h"
@@ -32,6 +33,32 @@ double runLength(const PointCloud& cloud) {
 TEST(ZOrder, PutsNeighboursTogether) {
   const PointCloud cloud = test::brick(5000);
   EXPECT_LT(runLength(select(cloud, zOrder(cloud))), 0.3 * runLength(cloud));
+}
+
+// The place of a cell on the curve, a bit at a time.
+std::uint32_t placeOnCurve(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+  std::uint32_t place = 0;
+  for (int bit = 4; bit >= 0; --bit)
+    place = place << 3 | (x >> bit & 1u) << 2 | (y >> bit & 1u) << 1 | (z >> bit & 1u);
+  return place;
+}
+
+TEST(ZOrder, FollowsTheCurveThroughTheCells) {
+  std::mt19937_64 random(8);
+  PointCloud cloud;
+  cloud.push({0, 0, 0});
+  cloud.push({1, 1, 1});
+  std::vector<std::uint32_t> places{0, placeOnCurve(31, 31, 31)};
+  const auto cell = [&] { return static_cast<std::uint32_t>(uniformIndex(random, 32)); };
+  for (int i = 0; i < 2000; ++i) {
+    const std::uint32_t x = cell(), y = cell(), z = cell();
+    cloud.push(Vector3d(x + 0.5, y + 0.5, z + 0.5) / 32.0);
+    places.push_back(placeOnCurve(x, y, z));
+  }
+  std::vector<std::uint32_t> expected(cloud.size());
+  std::iota(expected.begin(), expected.end(), 0u);
+  std::ranges::stable_sort(expected, {}, [&](std::uint32_t i) { return places[i]; });
+  EXPECT_EQ(zOrder(cloud), expected);
 }
 
 TEST(ZOrder, TakesCloudsWithoutExtent) {
