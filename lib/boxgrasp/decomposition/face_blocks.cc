@@ -2,17 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 #include "boxgrasp/base/ordered_bits.h"
 #include "boxgrasp/base/simd.h"
+#include "boxgrasp/decomposition/point_marks.h"
 
 namespace boxgrasp {
 
 namespace block_passes {
 
-constexpr std::size_t kBlock = 64;  // a block is about as wide as the strip of points next to a cut
+constexpr std::size_t kBlock = kPointBlock;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 // How far each rectangle reaches out of a region.
@@ -29,26 +29,17 @@ BOXGRASP_SIMD void reachOut(const float* x, const float* y, const float* half_x,
   }
 }
 
-// How far each point of a block reaches out of a region.
-BOXGRASP_SIMD_PART void pointsOut(const float* x, const float* y, const HalfPlane* planes, std::size_t count,
-                                  float* reach) {
-  for (std::size_t i = 0; i < kBlock; ++i) reach[i] = -kInfinity;
-  for (std::size_t p = 0; p < count; ++p) {
-    const float a = planes[p].normal_x, b = planes[p].normal_y, c = planes[p].offset;
-    for (std::size_t i = 0; i < kBlock; ++i) {
-      const float out = a * x[i] + b * y[i] - c;
-      reach[i] = out > reach[i] ? out : reach[i];
-    }
-  }
+// How far each point of a block reaches out of a half plane.
+BOXGRASP_SIMD void pointsOutOf(const float* x, const float* y, HalfPlane plane, float* reach) {
+  for (std::size_t i = 0; i < kBlock; ++i)
+    reach[i] = plane.normal_x * x[i] + plane.normal_y * y[i] - plane.offset;
 }
 
-// Marks the points of a block that reach out of both regions by more than a limit.
-BOXGRASP_SIMD void markOpen(const float* x, const float* y, const HalfPlane* a, std::size_t count_a,
-                            const HalfPlane* b, std::size_t count_b, float limit, std::uint8_t* mark) {
-  float out_a[kBlock], out_b[kBlock];
-  pointsOut(x, y, a, count_a, out_a);
-  pointsOut(x, y, b, count_b, out_b);
-  for (std::size_t i = 0; i < kBlock; ++i) mark[i] = (out_a[i] > limit) & (out_b[i] > limit);
+// Marks those that reach out of it by more than a limit.
+BOXGRASP_SIMD void markOutside(const float* x, const float* y, HalfPlane plane, float limit,
+                               std::uint8_t* mark) {
+  for (std::size_t i = 0; i < kBlock; ++i)
+    mark[i] = plane.normal_x * x[i] + plane.normal_y * y[i] - plane.offset > limit;
 }
 
 // Marks the points of a block that are nearest to a line on its side.
@@ -67,11 +58,6 @@ BOXGRASP_SIMD void markNearest(const float* x, const float* y, Line line, std::u
     mark[i] = (values[i] == highest_below) | (values[i] == lowest_above);
 }
 
-// normal.p for the points of a block.
-BOXGRASP_SIMD void valuesOf(const float* x, const float* y, float normal_x, float normal_y, float* values) {
-  for (std::size_t i = 0; i < kBlock; ++i) values[i] = normal_x * x[i] + normal_y * y[i];
-}
-
 }  // namespace block_passes
 
 using block_passes::kBlock;
@@ -79,18 +65,7 @@ using block_passes::kInfinity;
 
 namespace {
 
-constexpr float kMargin = 1e-6f;  // of the face's size: several rounding errors of a coordinate
-
-void appendMarked(const float* x, const float* y, const std::uint8_t* mark, std::vector<Vector2d>& points) {
-  for (std::size_t i = 0; i < kBlock; i += sizeof(std::uint64_t)) {
-    std::uint64_t any;
-    std::memcpy(&any, mark + i, sizeof any);
-    if (any == 0) continue;
-    for (std::size_t k = i; k < i + sizeof any; ++k) {
-      if (mark[k]) points.emplace_back(x[k], y[k]);
-    }
-  }
-}
+constexpr float kMargin = 1e-6f;  // of the face's size
 
 }  // namespace
 
@@ -105,26 +80,10 @@ const float* BlockedValues::block(std::size_t index) const {
   return index + 1 < ranges_.size() ? &values_[index * kBlock] : last_.data();
 }
 
-void PointPool::add(const Vector2d& p) {
-  const auto x = static_cast<float>(p.x()), y = static_cast<float>(p.y());
-  if (size_ == x_.size()) {
-    x_.resize(size_ + kBlock, x);
-    y_.resize(size_ + kBlock, y);
-  }
-  x_[size_] = x;
-  y_[size_] = y;
-  ++size_;
-}
-
-std::size_t PointPool::blocks() const { return x_.size() / kBlock; }
-const float* PointPool::x(std::size_t block) const { return &x_[block * kBlock]; }
-const float* PointPool::y(std::size_t block) const { return &y_[block * kBlock]; }
-
 FaceBlocks::FaceBlocks(const BlockedValues& x, const BlockedValues& y) : x_(x), y_(y) {
   for (const BlockedValues* coordinate : {&x_, &y_}) {
     const BlockRanges& ranges = coordinate->ranges();
-    for (std::size_t b = 0; b < ranges.size(); ++b)
-      margin_ = std::max(margin_, std::abs(ranges.middle[b]) + ranges.half[b]);
+    margin_ = std::max({margin_, std::abs(ranges.all.min), std::abs(ranges.all.max)});
   }
   margin_ *= kMargin;
 }
@@ -145,11 +104,12 @@ std::vector<Vector2d> FaceBlocks::spreadPoints(std::size_t count) const {
 }
 
 Vector2d FaceBlocks::support(float x, float y) const {
-  const std::vector<float> reach = reachOut({{x, y, 0.0f}});
+  const HalfPlane plane{x, y, 0.0f};
+  const std::vector<float> reach = reachOut({plane});
   float farthest = -kInfinity, values[kBlock];
   Vector2d point(0, 0);
   const auto look = [&](std::size_t block) {
-    block_passes::valuesOf(x_.block(block), y_.block(block), x, y, values);
+    block_passes::pointsOutOf(x_.block(block), y_.block(block), plane, values);
     const float best = rangeOf(values).max;
     if (best <= farthest) return;
     farthest = best;
@@ -163,6 +123,17 @@ Vector2d FaceBlocks::support(float x, float y) const {
   return point;
 }
 
+std::vector<Vector2d> FaceBlocks::pointsOutside(const HalfPlane& plane) const {
+  std::vector<Vector2d> points;
+  PointMarks marks;
+  for (const std::uint32_t block : placesAbove(reachOut({plane}), -margin_)) {
+    const float *x = x_.block(block), *y = y_.block(block);
+    block_passes::markOutside(x, y, plane, -margin_, marks.data());
+    forEachMarked(marks, [&](std::size_t i) { points.emplace_back(x[i], y[i]); });
+  }
+  return points;
+}
+
 std::vector<std::uint32_t> FaceBlocks::openBlocks(const Region& a, const Region& b) const {
   std::vector<float> out = reachOut(a);
   const std::vector<float> out_b = reachOut(b);
@@ -173,31 +144,19 @@ std::vector<std::uint32_t> FaceBlocks::openBlocks(const Region& a, const Region&
 
 void FaceBlocks::appendOpenPoints(const std::vector<std::uint32_t>& blocks, const Region& a, const Region& b,
                                   std::vector<Vector2d>& points) const {
-  std::uint8_t mark[kBlock];
   for (const std::uint32_t block : blocks) {
     const float *x = x_.block(block), *y = y_.block(block);
-    block_passes::markOpen(x, y, a.data(), a.size(), b.data(), b.size(), -margin_, mark);
-    appendMarked(x, y, mark, points);
-  }
-}
-
-void FaceBlocks::appendOpenPoints(const PointPool& pool, const Region& a, const Region& b,
-                                  std::vector<Vector2d>& points) const {
-  std::uint8_t mark[kBlock];
-  for (std::size_t block = 0; block < pool.blocks(); ++block) {
-    const float *x = pool.x(block), *y = pool.y(block);
-    block_passes::markOpen(x, y, a.data(), a.size(), b.data(), b.size(), -margin_, mark);
-    appendMarked(x, y, mark, points);
+    forEachMarked(openPoints(x, y, a, b, margin_), [&](std::size_t i) { points.emplace_back(x[i], y[i]); });
   }
 }
 
 void FaceBlocks::appendNearest(const std::vector<std::uint32_t>& blocks, const Line& line,
                                std::vector<Vector2d>& points) const {
-  std::uint8_t mark[kBlock];
+  PointMarks marks;
   for (const std::uint32_t block : blocks) {
     const float *x = x_.block(block), *y = y_.block(block);
-    block_passes::markNearest(x, y, line, mark);
-    appendMarked(x, y, mark, points);
+    block_passes::markNearest(x, y, line, marks.data());
+    forEachMarked(marks, [&](std::size_t i) { points.emplace_back(x[i], y[i]); });
   }
 }
 

@@ -8,6 +8,7 @@ namespace boxgrasp {
 namespace {
 
 constexpr int kSupports = 32;            // directions whose farthest points make the first guess of a hull
+constexpr int kOutermostDepth = 2;       // three points on either side of a line
 constexpr std::size_t kFewSpread = 128;  // points in the inside that are known before a line is measured
 
 }  // namespace
@@ -20,20 +21,31 @@ FaceSearch::FaceSearch(const FaceProjection& face, const BlockedValues& x, const
   cuts_ = cutLines(hull, options);
   arcs_.emplace(std::move(hull));
   bounds_.emplace(*arcs_, cuts_, face_.area, blocks_.spreadPoints(kMostBoundPoints));
-  for (const Vector2d& p : blocks_.spreadPoints(kFewSpread)) few_.add(p);
+  few_ = PointPool(blocks_.spreadPoints(kFewSpread));
 }
 
 double FaceSearch::theta(const Line& line, const MeasuredLines& measured) {
   std::optional<Sides> sides = Sides::of(*arcs_, line);
   if (!sides) return plainTheta(face_, line);
-  std::vector<Vector2d> found;
-  blocks_.appendOpenPoints(few_, sides->first().inside(), sides->second().inside(), found);
-  sides->add(found);
+  addAll(few_, *sides);
   const Polygon known_first = sides->first().cap(), known_second = sides->second().cap();
   const double theta = thetaByFewPoints(*sides, line, measured);
   remember(sides->first().cap(), known_first);
   remember(sides->second().cap(), known_second);
   return theta;
+}
+
+// The outermost points first: few others are open then.
+void FaceSearch::addAll(const PointPool& points, Sides& sides) const {
+  for (const HalfHull* half : {&sides.first(), &sides.second()}) {
+    std::vector<Vector2d> outermost;
+    PoolGrowth(points, half->side(), blocks_.margin())
+        .beyond(half->chord(), kOutermostDepth, [&](const Vector2d& p) { outermost.push_back(p); });
+    sides.add(outermost);
+  }
+  std::vector<Vector2d> open;
+  points.appendOpenPoints(sides.first().inside(), sides.second().inside(), blocks_.margin(), open);
+  sides.add(open);
 }
 
 // The points next to the line join the known few, and what the hulls of these leave open is looked at.
@@ -68,10 +80,7 @@ Polygon FaceSearch::outerHull() const {
   points = guess;
   for (std::size_t i = 0; i < guess.size(); ++i) {
     const Vector2d &from = guess[i], &to = guess[(i + 1) % guess.size()];
-    const Region inside{leftOf(from, to)};
-    std::vector<Vector2d> beyond;
-    blocks_.appendOpenPoints(blocks_.openBlocks(inside, inside), inside, inside, beyond);
-    const Polygon hull = hullBeyond(from, to, std::move(beyond));
+    const Polygon hull = hullBeyond(from, to, blocks_.pointsOutside(leftOf(from, to)));
     points.insert(points.end(), hull.begin(), hull.end());
   }
   return convexHull(std::move(points));

@@ -5,8 +5,10 @@
 #include <vector>
 
 #include "boxgrasp/decomposition/cut_lines.h"
+#include "boxgrasp/decomposition/face_blocks.h"
 #include "boxgrasp/decomposition/line_bounds.h"
 #include "boxgrasp/decomposition/measured_lines.h"
+#include "boxgrasp/decomposition/point_pool.h"
 #include "boxgrasp/decomposition/sides.h"
 
 namespace boxgrasp {
@@ -28,6 +30,7 @@ class FaceSearch {
 
  private:
   Polygon outerHull() const;
+  void addAll(const PointPool& points, Sides& sides) const;
   double thetaByFewPoints(Sides& sides, const Line& line, const MeasuredLines& measured) const;
   void remember(const Polygon& vertices, const Polygon& known);
 

@@ -6,6 +6,7 @@
 
 #include "boxgrasp/decomposition/cut_lines.h"
 #include "boxgrasp/decomposition/hull_arcs.h"
+#include "boxgrasp/decomposition/point_pool.h"
 
 namespace boxgrasp {
 
@@ -47,7 +48,7 @@ class ThetaBounds {
   const HullArcs& arcs_;
   const CutLines& cuts_;
   double face_area_;
-  std::vector<float> x_, y_;
+  PointPool points_;
   double reach_ = 0.0;  // the largest coordinate
 };
 

@@ -1,11 +1,11 @@
 #include "boxgrasp/decomposition/sides.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace boxgrasp {
 namespace {
-
-constexpr HalfPlane kNowhere{0.0f, 0.0f, -1.0f};
 
 bool isFirst(const Line& line, const Vector2d& p) {
   return line.isFirst(static_cast<float>(p.x()), static_cast<float>(p.y()));
@@ -41,42 +41,35 @@ std::optional<Arc> firstArc(const HullArcs& arcs, const Line& line) {
 
 }  // namespace
 
-HalfPlane leftOf(const Vector2d& from, const Vector2d& to) {
-  const Vector2d along = (to - from).normalized(), outward(along.y(), -along.x());
-  return {static_cast<float>(outward.x()), static_cast<float>(outward.y()),
-          static_cast<float>(outward.dot(from))};
-}
-
 HalfHull::HalfHull(const HullArcs& arcs, const Arc& arc, const Line& line, bool is_first)
     : line_(line),
       is_first_(is_first),
       arc_area_(arcs.area(arc)),
-      from_(arcs.at(arc.last)),
-      to_(arcs.at(arc.first)) {}
+      chord_{arcs.at(arc.last), arcs.at(arc.first)} {}
 
-HalfPlane HalfHull::halfPlane() const {
+HalfPlane HalfHull::side() const {
   if (is_first_) return {line_.normal_x, line_.normal_y, line_.offset};
-  return {-line_.normal_x, -line_.normal_y, -line_.offset};
+  const float below = std::nextafter(-line_.offset, -std::numeric_limits<float>::infinity());
+  return {-line_.normal_x, -line_.normal_y, below};
 }
 
 void HalfHull::add(const std::vector<Vector2d>& points) {
-  const Vector2d chord = to_ - from_;
-  const bool is_vertex = from_ == to_;
+  const auto& [from, to] = chord_;
   std::vector<Vector2d> beyond = cap_;
   for (const Vector2d& p : points) {
-    const bool is_beyond = is_vertex ? p != from_ : cross(chord, p - from_) < 0.0;
+    const bool is_beyond = chord_.isPoint() ? p != from : chord_.areaWith(p) > 0.0;
     if (is_beyond && isFirst(line_, p) == is_first_) beyond.push_back(p);
   }
   if (beyond.size() == cap_.size()) return;
   const Vector2d outward(line_.normal_x, line_.normal_y);
-  cap_ = is_vertex ? hullFrom(from_, is_first_ ? outward : Vector2d(-outward), std::move(beyond))
-                   : hullBeyond(from_, to_, std::move(beyond));
+  cap_ = chord_.isPoint() ? hullFrom(from, is_first_ ? outward : Vector2d(-outward), std::move(beyond))
+                          : hullBeyond(from, to, std::move(beyond));
 }
 
 Polygon HalfHull::closedCap() const {
-  Polygon closed{from_};
+  Polygon closed{chord_.from};
   closed.insert(closed.end(), cap_.begin(), cap_.end());
-  closed.push_back(to_);
+  closed.push_back(chord_.to);
   return closed;
 }
 
@@ -84,12 +77,12 @@ double HalfHull::area() const { return arc_area_ + signedArea(closedCap()); }
 
 Region HalfHull::inside() const {
   Region region;
-  if (from_ == to_ && cap_.empty()) region.push_back(kNowhere);
+  if (chord_.isPoint() && cap_.empty()) region.push_back(kNowhere);
   const Polygon closed = closedCap();
   for (std::size_t i = 0; i + 1 < closed.size(); ++i) {
     if (closed[i] != closed[i + 1]) region.push_back(leftOf(closed[i], closed[i + 1]));
   }
-  region.push_back(halfPlane());
+  region.push_back(side());
   return region;
 }
 

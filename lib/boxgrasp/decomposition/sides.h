@@ -5,13 +5,11 @@
 #include <optional>
 #include <vector>
 
-#include "boxgrasp/decomposition/face_blocks.h"
+#include "boxgrasp/decomposition/face_projection.h"
+#include "boxgrasp/decomposition/half_plane.h"
 #include "boxgrasp/decomposition/hull_arcs.h"
 
 namespace boxgrasp {
-
-// What is on the left of the way from one point to another.
-HalfPlane leftOf(const Vector2d& from, const Vector2d& to);
 
 // The hull of one side: an arc of the hull of all points, and beyond the chord between the arc's ends a cap
 // that grows with the points that are added.
@@ -25,8 +23,14 @@ class HalfHull {
 
   double area() const;
 
+  // The edge between the arc's ends that has the arc on its left; a point where the arc is a vertex.
+  const HullEdge& chord() const { return chord_; }
+
   // The vertices of the cap, without the ends of the chord.
   const Polygon& cap() const { return cap_; }
+
+  // Holds the points of this side and no others.
+  HalfPlane side() const;
 
   // Where a point of this side would not make the hull grow.
   Region inside() const;
@@ -35,13 +39,10 @@ class HalfHull {
   // The cap with the ends of the chord.
   Polygon closedCap() const;
 
-  // The half plane of this side, the line included.
-  HalfPlane halfPlane() const;
-
   Line line_;
   bool is_first_;
   double arc_area_;
-  Vector2d from_, to_;  // the chord, with the arc on its left; both are the same where the arc is a vertex
+  HullEdge chord_;
   Polygon cap_;
 };
 

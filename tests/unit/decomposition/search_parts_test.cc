@@ -7,6 +7,7 @@
 
 #include "boxgrasp/decomposition/face_blocks.h"
 #include "boxgrasp/decomposition/line_bounds.h"
+#include "boxgrasp/decomposition/point_pool.h"
 #include "boxgrasp/decomposition/sides.h"
 #include "boxgrasp/decomposition/splits.h"
 #include "boxgrasp/decomposition/z_order.h"
@@ -319,15 +320,31 @@ TEST(FaceBlocks, FindEveryPointOutsideOfBothRegions) {
   }
 }
 
-TEST(FaceBlocks, FindEveryOpenPointOfAPool) {
+TEST(FaceBlocks, FindEveryPointOutsideOfAHalfPlane) {
   const Scatter scatter(3000);
+  const FaceProjection face = scatter.face();
   const BlockedValues x(scatter.x), y(scatter.y);
   const FaceBlocks blocks(x, y);
+  for (const float offset : {-1.0f, 0.0f, 0.1f, 1.0f}) {
+    const HalfPlane plane{0.6f, 0.8f, offset};
+    const std::vector<Vector2d> found = blocks.pointsOutside(plane);
+    for (std::size_t i = 0; i < face.size(); ++i) {
+      const double reach = reachOut(face.point(i), {plane});
+      const bool is_found = std::find(found.begin(), found.end(), face.point(i)) != found.end();
+      EXPECT_TRUE(is_found || reach <= 0) << "point " << i << " is outside of " << offset;
+      EXPECT_FALSE(is_found && reach < -1e-5) << "point " << i << " is inside of " << offset;
+    }
+  }
+}
+
+TEST(PointPool, FindsEveryOpenPoint) {
+  const Scatter scatter(200);
   const Region a = triangle(0.05f), b{{1, 0, -0.06f}};
   PointPool pool;
   for (std::size_t n = 0; n < 200; ++n) {
     std::vector<Vector2d> found;
-    blocks.appendOpenPoints(pool, a, b, found);
+    pool.appendOpenPoints(a, b, 1e-6f, found);
+    EXPECT_LE(found.size(), n) << "none twice";
     for (std::size_t i = 0; i < n; ++i) {
       const Vector2d p = scatter.face().point(i);
       const double reach = std::min(reachOut(p, a), reachOut(p, b));
@@ -336,6 +353,44 @@ TEST(FaceBlocks, FindEveryOpenPointOfAPool) {
       EXPECT_FALSE(is_found && reach < -1e-5) << "point " << i << " of " << n << " is inside";
     }
     pool.add(scatter.face().point(n));
+  }
+}
+
+TEST(PointPool, FindsTheFarthestPointOnASide) {
+  for (const std::size_t n : {0u, 1u, 64u, 65u, 512u, 513u, 1300u}) {
+    const std::vector<Vector2d> points = pointsOf(Scatter(n).face());
+    const PointPool pool(points);
+    for (int i = 0; i < 16; ++i) {
+      const Region beyond{{std::cos(0.4f * i), std::sin(0.4f * i), 0.02f}}, side{{0.8f, -0.6f, 0.03f}};
+      double farthest = 0.0;
+      for (const Vector2d& p : points) {
+        if (reachOut(p, side) <= 0) farthest = std::max(farthest, reachOut(p, beyond));
+      }
+      const std::optional<Vector2d> found = pool.farthestBeyond(beyond[0], side[0]);
+      ASSERT_EQ(found.has_value(), farthest > 0.0) << n << " points, direction " << i;
+      if (found) {
+        EXPECT_LE(reachOut(*found, side), 1e-7) << n << " points, direction " << i;
+        EXPECT_NEAR(reachOut(*found, beyond), farthest, 1e-7) << n << " points, direction " << i;
+      }
+    }
+  }
+}
+
+// Beyond the way between two vertices of a hull there is the hull's area on that side of it.
+TEST(PoolGrowth, GainsTheAreaOfTheHull) {
+  const std::vector<Vector2d> points = pointsOf(Scatter(600).face());
+  const PointPool pool(points);
+  const Polygon hull = convexHull(points);
+  const HalfPlane everywhere{0.0f, 0.0f, 1.0f};
+  for (std::size_t i = 1; i < hull.size(); ++i) {
+    const HullEdge there{hull[0], hull[i]}, back{hull[i], hull[0]};
+    const PoolGrowth growth(pool, everywhere, 1e-9);
+    std::vector<Vector2d> vertices;
+    const auto visit = [&](const Vector2d& p) { vertices.push_back(p); };
+    EXPECT_NEAR(growth.beyond(there, 30, visit) + growth.beyond(back, 30, visit), signedArea(hull), 1e-9)
+        << "to vertex " << i;
+    EXPECT_EQ(vertices.size(), hull.size() - 2) << "to vertex " << i;
+    EXPECT_LT(growth.beyond(there, 1, visit), growth.beyond(there, 30, visit) + 1e-12) << "to vertex " << i;
   }
 }
 
