@@ -4,16 +4,64 @@
 #include <optional>
 #include <utility>
 
+#include "boxgrasp/base/ordered_bits.h"
+#include "boxgrasp/base/simd.h"
 #include "boxgrasp/synthesis/edges.h"
 #include "boxgrasp/synthesis/smoothing.h"
 
 namespace boxgrasp {
-namespace {
+namespace depth_edge_passes {
 
-constexpr int kBins = 64;  // of the gradient histogram, as Matlab's edge()
 // Coverages 1 and 2 sigma inside a straight border: from the first on there is a gradient, from the second
 // on, with neighbours to compare, there are edges.
 constexpr float kKnown = 0.841f, kClear = 0.977f;
+
+BOXGRASP_SIMD void divide(float* values, const float* weights, int n) {
+  for (int i = 0; i < n; ++i) values[i] = weights[i] > 0.0f ? values[i] / weights[i] : 0.0f;
+}
+
+// Rows of the image, and of its gradient.
+struct Rows {
+  const float *above, *here, *below, *coverage;
+  float *x, *y, *magnitude;
+};
+
+// The gradient by central differences in all but the first and the last pixel; zero where it is not known.
+BOXGRASP_SIMD void differentiate(const Rows& rows, int n) {
+  const float *const above = rows.above, *const here = rows.here, *const below = rows.below;
+  const float* const coverage = rows.coverage;
+  float* __restrict x = rows.x, * __restrict y = rows.y, * __restrict magnitude = rows.magnitude;
+  for (int i = 1; i + 1 < n; ++i) {
+    const bool known = coverage[i] >= kKnown;
+    const float along = 0.5f * (here[i + 1] - here[i - 1]), down = 0.5f * (below[i] - above[i]);
+    x[i] = known ? along : 0.0f;
+    y[i] = known ? down : 0.0f;
+    magnitude[i] = std::sqrt(x[i] * x[i] + y[i] * y[i]);
+  }
+}
+
+BOXGRASP_SIMD float largest(const float* values, std::size_t n) {
+  std::int32_t most = orderedBits(0.0f);
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::int32_t value = orderedBits(values[i]);
+    most = value > most ? value : most;
+  }
+  return fromOrderedBits(most);
+}
+
+// Which of equal bins from 0 to `most` each value falls into.
+BOXGRASP_SIMD void toBins(const float* values, std::size_t n, double most, int bins, int* result) {
+  for (std::size_t i = 0; i < n; ++i)
+    result[i] = static_cast<int>(static_cast<double>(values[i]) / most * bins);
+}
+
+}  // namespace depth_edge_passes
+
+namespace {
+
+using depth_edge_passes::kClear;
+
+constexpr int kBins = 64;  // of the gradient histogram, as Matlab's edge()
 // Gradients that differ by less than this share are equal to rounding.
 constexpr double kEqual = 1e-5;
 // Sigmas to either side of an edge where its step is measured: 4 px for 2.5.
@@ -25,11 +73,7 @@ cv::Mat smoothedDepth(const cv::Mat& gray, const cv::Mat& coverage, double sigma
   gray.convertTo(depth, CV_32F);
   depth = smoothed(depth, sigma_px);
   for (int row = 0; row < gray.rows; ++row) {
-    const float* weights = coverage.ptr<float>(row);
-    float* values = depth.ptr<float>(row);
-    for (int column = 0; column < gray.cols; ++column) {
-      values[column] = weights[column] > 0.0f ? values[column] / weights[column] : 0.0f;
-    }
+    depth_edge_passes::divide(depth.ptr<float>(row), coverage.ptr<float>(row), gray.cols);
   }
   return depth;
 }
@@ -38,31 +82,26 @@ cv::Mat smoothedDepth(const cv::Mat& gray, const cv::Mat& coverage, double sigma
 class Gradient {
  public:
   Gradient(const cv::Mat& depth, const cv::Mat& coverage)
-      : width_(depth.cols),
-        vectors_(depth.total(), Eigen::Vector2f::Zero()),
-        magnitudes_(depth.total(), 0.0f) {
+      : width_(depth.cols), x_(depth.total()), y_(depth.total()), magnitudes_(depth.total()) {
     for (int row = 1; row + 1 < depth.rows; ++row) {
-      const float* above = depth.ptr<float>(row - 1);
-      const float* here = depth.ptr<float>(row);
-      const float* below = depth.ptr<float>(row + 1);
-      const float* inside = coverage.ptr<float>(row);
-      for (int column = 1; column + 1 < depth.cols; ++column) {
-        if (inside[column] < kKnown) continue;
-        const std::size_t pixel = index(column, row);
-        vectors_[pixel] = {0.5f * (here[column + 1] - here[column - 1]),
-                           0.5f * (below[column] - above[column])};
-        magnitudes_[pixel] = vectors_[pixel].norm();
-        if (inside[column] >= kClear) clear_.push_back(pixel);
-      }
+      const std::size_t at = index(0, row);
+      depth_edge_passes::differentiate(
+          {depth.ptr<float>(row - 1), depth.ptr<float>(row), depth.ptr<float>(row + 1),
+           coverage.ptr<float>(row), &x_[at], &y_[at], &magnitudes_[at]},
+          width_);
     }
+    findClearPixels(coverage);
   }
 
   int width() const { return width_; }
-  const std::vector<std::size_t>& clearPixels() const { return clear_; }  // clear of the silhouettes
+  // Those clear of the silhouettes, and the magnitudes there.
+  const std::vector<std::uint32_t>& clearPixels() const { return clear_; }
+  const std::vector<float>& clearMagnitudes() const { return clear_magnitudes_; }
   double magnitude(std::size_t pixel) const { return magnitudes_[pixel]; }
-  Vector2d direction(std::size_t pixel) const { return vectors_[pixel].cast<double>().normalized(); }
-  Vector2d position(std::size_t pixel) const {
-    return {static_cast<double>(pixel % width_), static_cast<double>(pixel / width_)};
+  Vector2d direction(std::size_t pixel) const { return Vector2d(x_[pixel], y_[pixel]).normalized(); }
+  Vector2d position(std::uint32_t pixel) const {
+    const auto width = static_cast<std::uint32_t>(width_);
+    return {static_cast<double>(pixel % width), static_cast<double>(pixel / width)};
   }
   // Bilinear; pre: at least a pixel inside the image.
   double magnitudeAt(const Vector2d& p) const {
@@ -76,10 +115,25 @@ class Gradient {
  private:
   std::size_t index(int column, int row) const { return static_cast<std::size_t>(row) * width_ + column; }
 
+  void findClearPixels(const cv::Mat& coverage) {
+    clear_.resize(magnitudes_.size());
+    std::size_t count = 0;
+    for (int row = 1; row + 1 < coverage.rows; ++row) {
+      const float* inside = coverage.ptr<float>(row);
+      for (int column = 1; column + 1 < width_; ++column) {
+        clear_[count] = static_cast<std::uint32_t>(index(column, row));
+        count += inside[column] >= kClear;
+      }
+    }
+    clear_.resize(count);
+    clear_magnitudes_.reserve(count);
+    for (const std::uint32_t pixel : clear_) clear_magnitudes_.push_back(magnitudes_[pixel]);
+  }
+
   int width_;
-  std::vector<Eigen::Vector2f> vectors_;
-  std::vector<float> magnitudes_;
-  std::vector<std::size_t> clear_;
+  std::vector<float> x_, y_, magnitudes_;
+  std::vector<std::uint32_t> clear_;
+  std::vector<float> clear_magnitudes_;
 };
 
 struct Thresholds {
@@ -89,13 +143,15 @@ struct Thresholds {
 // As Matlab's edge(): the upper bound of the first of 64 bins with which more than the given share of the
 // pixels is counted.
 Thresholds automaticThresholds(const Gradient& gradient, const DepthEdgeOptions& options) {
-  double most = 0.0;
-  for (const auto pixel : gradient.clearPixels()) most = std::max(most, gradient.magnitude(pixel));
+  const std::vector<float>& magnitudes = gradient.clearMagnitudes();
+  const double most = depth_edge_passes::largest(magnitudes.data(), magnitudes.size());
   std::array<std::size_t, kBins> counts{};
-  for (const auto pixel : gradient.clearPixels()) {
-    if (most > 0.0) ++counts[std::min(kBins - 1, static_cast<int>(gradient.magnitude(pixel) / most * kBins))];
+  if (most > 0.0) {
+    std::vector<int> bins(magnitudes.size());
+    depth_edge_passes::toBins(magnitudes.data(), magnitudes.size(), most, kBins, bins.data());
+    for (const int bin : bins) ++counts[std::min(kBins - 1, bin)];
   }
-  const double share = options.high_quantile * static_cast<double>(gradient.clearPixels().size());
+  const double share = options.high_quantile * static_cast<double>(magnitudes.size());
   std::size_t below = 0;
   int bin = 0;
   while (bin < kBins && static_cast<double>(below) <= share) below += counts[bin++];
@@ -123,13 +179,13 @@ double stepAcross(const cv::Mat& gray, const Vector2d& p, const Vector2d& toward
 
 // The place of the greatest gradient across the edge, from the parabola through three samples; nullopt when
 // this pixel is not a maximum.
-std::optional<Vector2d> maximumAt(const Gradient& gradient, std::size_t pixel) {
+std::optional<Vector2d> maximumAt(const Gradient& gradient, std::uint32_t pixel) {
   const Vector2d p = gradient.position(pixel), u = gradient.direction(pixel);
-  const double here = gradient.magnitude(pixel);
-  const double before = gradient.magnitudeAt(p - u), behind = gradient.magnitudeAt(p + u);
+  const double here = gradient.magnitude(pixel), before = gradient.magnitudeAt(p - u);
   // Of two equal neighbours exactly one is the maximum, rounding or not.
-  if (here < (1 - kEqual) * before || here <= (1 + kEqual) * behind) return std::nullopt;
-  if (before <= 0.0 || behind <= 0.0) return std::nullopt;
+  if (before <= 0.0 || here < (1 - kEqual) * before) return std::nullopt;
+  const double behind = gradient.magnitudeAt(p + u);
+  if (behind <= 0.0 || here <= (1 + kEqual) * behind) return std::nullopt;
   const double offset = 0.5 * (before - behind) / (before - 2.0 * here + behind);
   return p + std::clamp(offset, -0.5, 0.5) * u;
 }
@@ -141,8 +197,10 @@ class Linker {
          const DepthEdgeOptions& options)
       : gradient_(gradient), high_(thresholds.high), free_(gray.total(), -1) {
     const double reach_px = kStepReach * options.sigma_px;
-    for (const auto pixel : gradient.clearPixels()) {
-      if (gradient.magnitude(pixel) < thresholds.low || gradient.magnitude(pixel) <= 0.0) continue;
+    for (std::size_t i = 0; i < gradient.clearPixels().size(); ++i) {
+      const double magnitude = gradient.clearMagnitudes()[i];
+      if (magnitude < thresholds.low || magnitude <= 0.0) continue;
+      const std::uint32_t pixel = gradient.clearPixels()[i];
       const auto place = maximumAt(gradient, pixel);
       if (!place || stepAcross(gray, *place, gradient.direction(pixel), reach_px) < options.min_step_gray)
         continue;

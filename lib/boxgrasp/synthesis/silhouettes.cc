@@ -1,33 +1,70 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <utility>
+#include <vector>
 
+#include "boxgrasp/base/simd.h"
 #include "boxgrasp/synthesis/edges.h"
 #include "boxgrasp/synthesis/smoothing.h"
 
 namespace boxgrasp {
-namespace {
+namespace silhouette_passes {
 
 constexpr float kHalf = 0.5f;
+constexpr std::size_t kRun = 64;
+
+// Which of the cells between two rows of pixels have some corners inside and some not.
+BOXGRASP_SIMD void mixedCells(const float* here, const float* below, int columns, std::uint8_t* mixed) {
+  for (int i = 0; i + 1 < columns; ++i) {
+    const int corners =
+        (here[i] > kHalf) + (here[i + 1] > kHalf) + (below[i] > kHalf) + (below[i + 1] > kHalf);
+    mixed[i] = corners % 4 != 0;
+  }
+}
+
+// The first of the runs of numbers, from this one on, that holds one of at least 0, or how many runs there
+// are.
+BOXGRASP_SIMD std::size_t firstLinkedRun(const int* next, std::size_t run, std::size_t runs) {
+  for (; run < runs; ++run) {
+    int largest = -1;
+    for (std::size_t i = 0; i < kRun; ++i)
+      largest = next[run * kRun + i] > largest ? next[run * kRun + i] : largest;
+    if (largest >= 0) break;
+  }
+  return run;
+}
+
+}  // namespace silhouette_passes
+
+namespace {
+
+using silhouette_passes::kHalf;
+using silhouette_passes::kRun;
 
 // The half-level line crosses edges of the pixel grid, numbered 2 * pixel for the edge to the next column and
 // 2 * pixel + 1 for the edge to the next row. Each crossing has one successor along the line.
 class HalfLevel {
  public:
-  explicit HalfLevel(const cv::Mat& coverage) : coverage_(coverage), next_(2 * coverage.total(), -1) {
+  explicit HalfLevel(const cv::Mat& coverage)
+      : coverage_(coverage), next_((2 * coverage.total() + kRun - 1) / kRun * kRun, -1) {
+    std::vector<std::uint8_t> mixed(static_cast<std::size_t>(coverage.cols));
     for (int row = 0; row + 1 < coverage.rows; ++row) {
-      const float* here = coverage.ptr<float>(row);
-      const float* below = coverage.ptr<float>(row + 1);
-      for (int column = 0; column + 1 < coverage.cols; ++column) {
-        const int corners = (here[column] > kHalf) + (here[column + 1] > kHalf) + (below[column] > kHalf) +
-                            (below[column + 1] > kHalf);
-        if (corners != 0 && corners != 4) linkCell(column, row);
-      }
+      silhouette_passes::mixedCells(coverage.ptr<float>(row), coverage.ptr<float>(row + 1), coverage.cols,
+                                    mixed.data());
+      const std::uint8_t *const begin = mixed.data(), *const end = begin + coverage.cols - 1;
+      for (auto at = find(begin, end); at != nullptr; at = find(at + 1, end))
+        linkCell(static_cast<int>(at - begin), row);
     }
   }
 
   // Takes out the lines one by one; an empty line at the end.
   PixelLine takeLine() {
+    const std::size_t runs = next_.size() / kRun,
+                      run = silhouette_passes::firstLinkedRun(next_.data(), from_ / kRun, runs);
+    from_ = std::max(from_, run * kRun);
     while (from_ < next_.size() && next_[from_] < 0) ++from_;
     PixelLine line;
     line.closed = true;
@@ -39,6 +76,11 @@ class HalfLevel {
   }
 
  private:
+  // The next mixed cell, or nullptr.
+  static const std::uint8_t* find(const std::uint8_t* begin, const std::uint8_t* end) {
+    return static_cast<const std::uint8_t*>(std::memchr(begin, 1, static_cast<std::size_t>(end - begin)));
+  }
+
   bool inside(int column, int row) const { return coverage_.at<float>(row, column) > kHalf; }
   int edgeRight(int column, int row) const { return 2 * (row * coverage_.cols + column); }
   int edgeDown(int column, int row) const { return edgeRight(column, row) + 1; }

@@ -47,30 +47,42 @@ TEST(Silhouettes, EveryCrossingOfTheGridIsOnOneClosedLine) {
   }
 }
 
-TEST(Smoothed, AgreesWithTheGaussianSumAndIsMirroredBitForBit) {
-  std::mt19937_64 random(2);
-  cv::Mat image(21, 27, CV_32F), mirrored;
-  for (int i = 0; i < 21 * 27; ++i) image.at<float>(i / 27, i % 27) = static_cast<float>(uniform(random));
-  const double sigma = 1.7;
-  const cv::Mat result = smoothed(image, sigma);
-  double total = 0.0;
-  for (int d = -7; d <= 7; ++d) total += std::exp(-0.5 * d * d / (sigma * sigma));
-  for (int row = 0; row < 21; ++row) {
-    for (int column = 0; column < 27; ++column) {
-      double sum = 0.0;
-      for (int y = std::max(0, row - 7); y <= std::min(20, row + 7); ++y) {
-        for (int x = std::max(0, column - 7); x <= std::min(26, column + 7); ++x) {
-          const double square = (x - column) * (x - column) + (y - row) * (y - row);
-          sum += image.at<float>(y, x) * std::exp(-0.5 * square / (sigma * sigma));
-        }
-      }
-      EXPECT_NEAR(result.at<float>(row, column), sum / (total * total), 1e-5);
+double gaussianSum(const cv::Mat& image, double sigma, int reach, int row, int column) {
+  double sum = 0.0;
+  for (int y = std::max(0, row - reach); y <= std::min(image.rows - 1, row + reach); ++y) {
+    for (int x = std::max(0, column - reach); x <= std::min(image.cols - 1, column + reach); ++x) {
+      const double square = (x - column) * (x - column) + (y - row) * (y - row);
+      sum += image.at<float>(y, x) * std::exp(-0.5 * square / (sigma * sigma));
     }
   }
-  cv::flip(image, mirrored, 1);
-  cv::Mat back;
-  cv::flip(smoothed(mirrored, sigma), back, 1);
-  EXPECT_EQ(cv::countNonZero(back != result), 0);
+  return sum;
+}
+
+// Widths below, at and above those of the runs in which rows are smoothed.
+TEST(Smoothed, AgreesWithTheGaussianSumAndIsMirroredBitForBit) {
+  std::mt19937_64 random(2);
+  const double sigma = 1.7;
+  double total = 0.0;
+  for (int d = -7; d <= 7; ++d) total += std::exp(-0.5 * d * d / (sigma * sigma));
+  for (const cv::Size size :
+       {cv::Size(1, 1), cv::Size(27, 21), cv::Size(32, 9), cv::Size(33, 2), cv::Size(75, 11)}) {
+    cv::Mat image(size, CV_32F), mirrored, back;
+    for (int row = 0; row < size.height; ++row) {
+      for (int column = 0; column < size.width; ++column)
+        image.at<float>(row, column) = static_cast<float>(uniform(random));
+    }
+    const cv::Mat result = smoothed(image, sigma);
+    for (int row = 0; row < size.height; ++row) {
+      for (int column = 0; column < size.width; ++column) {
+        EXPECT_NEAR(result.at<float>(row, column),
+                    gaussianSum(image, sigma, 7, row, column) / (total * total), 1e-5)
+            << size << ", row " << row << ", column " << column;
+      }
+    }
+    cv::flip(image, mirrored, 1);
+    cv::flip(smoothed(mirrored, sigma), back, 1);
+    EXPECT_EQ(cv::countNonZero(back != result), 0) << size;
+  }
 }
 
 TEST(EvenlySpaced, KeepsTheEndsAndTheLengthOfALine) {
