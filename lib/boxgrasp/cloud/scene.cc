@@ -94,6 +94,7 @@ class Taker {
   Scene take(const std::optional<Vector3d>& viewpoint_C, const std::optional<Plane>& table) const;
 
  private:
+  double clusterVoxel() const { return options_.cluster_distance_m / 4.0; }
   std::vector<Indices> clustersOf(const Indices& points) const;
   std::optional<Patch> patchOn(const Plane& plane, const PointCloud& coarse, const Voxels& voxels,
                                const Indices& inliers) const;
@@ -124,7 +125,7 @@ Indices allIndices(std::size_t n) {
 std::vector<Indices> Taker::clustersOf(const Indices& points) const {
   if (points.empty()) return {};
   const PointCloud some = select(cloud_C_, points);
-  const Voxels voxels = sortIntoVoxels(some, options_.cluster_distance_m / 4.0);
+  const Voxels voxels = sortIntoVoxels(some, clusterVoxel());
   const std::vector<Indices> groups =
       euclideanClusters(meansOf(some, voxels, options_.threads), options_.cluster_distance_m, stop_);
   Indices cluster_of(points.size());
@@ -246,7 +247,7 @@ std::optional<Table> Taker::findTable(const std::optional<Vector3d>& viewpoint_C
   constexpr int kPlanes = 4;
   // A patch is never wider than the cloud is long.
   if (bounds(cloud_C_).sizes().norm() < options_.min_plane_extent_m) return std::nullopt;
-  const Voxels voxels = sortIntoVoxels(cloud_C_, options_.cluster_distance_m / 4.0);
+  const Voxels voxels = sortIntoVoxels(cloud_C_, clusterVoxel());
   const PointCloud coarse = meansOf(cloud_C_, voxels, options_.threads);
   std::mt19937_64 random(options_.seed);
   Indices remaining = allIndices(coarse.size());
@@ -298,6 +299,8 @@ Scene Taker::whole() const {
 
 // Without a table the clusters are the objects; one alone, or a cloud too sparse for any, is the whole cloud.
 Scene Taker::withoutTable() const {
+  // The means of voxels that touch are at most two diagonals apart, so they are in one cluster.
+  if (voxelsHangTogether(cloud_C_, clusterVoxel())) return whole();
   Scene scene;
   std::size_t large_enough = 0;
   for (Indices& cluster : clustersOf(allIndices(cloud_C_.size()))) {

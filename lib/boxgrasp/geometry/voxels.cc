@@ -32,8 +32,13 @@ struct KeyedPoint {
   std::uint32_t index;
 };
 
-// The key of each point's voxel. Sets the strides.
-std::vector<std::int64_t> computeKeys(const PointCloud& cloud, double edge_m, Voxels& voxels) {
+// The key of each point's voxel.
+struct Keys {
+  std::vector<std::int64_t> of_points;
+  std::int64_t largest = 0, stride_y = 0, stride_z = 0;
+};
+
+Keys computeKeys(const PointCloud& cloud, double edge_m) {
   const Eigen::AlignedBox3d box = bounds(cloud);
   const double per_edge = 1.0 / std::max(edge_m, std::ldexp(box.sizes().maxCoeff(), -20));
   const std::vector<float>* const axes[] = {&cloud.x, &cloud.y, &cloud.z};
@@ -45,9 +50,8 @@ std::vector<std::int64_t> computeKeys(const PointCloud& cloud, double edge_m, Vo
     voxel_passes::addKeys(axes[axis]->data(), cloud.size(), per_edge, first, strides[axis], keys.data());
     strides[axis + 1] = strides[axis] * (static_cast<std::int64_t>(last - first) + 3);
   }
-  voxels.stride_y = strides[1];
-  voxels.stride_z = strides[2];
-  return keys;
+  const std::int64_t largest = *std::max_element(keys.begin(), keys.end());
+  return {std::move(keys), largest, strides[1], strides[2]};
 }
 
 // Sorts by eleven bits of the key, keeping the order of equals.
@@ -87,18 +91,72 @@ void sortInto(Voxels& voxels, std::vector<std::int64_t> keys, std::int64_t large
   voxels.begin.push_back(static_cast<std::uint32_t>(points.size()));
 }
 
+// The occupied voxels, and the empty ones around them.
+class Occupancy {
+ public:
+  explicit Occupancy(const Keys& keys)
+      : stride_y_(keys.stride_y),
+        stride_z_(keys.stride_z),
+        margin_(keys.stride_z + keys.stride_y + 1),
+        occupied_(static_cast<std::size_t>(keys.largest + 2 * margin_ + 1)) {
+    for (const std::int64_t key : keys.of_points) size_ += take(key, 0, 1);
+  }
+
+  std::size_t size() const { return size_; }
+
+  // Takes out the voxels that hang together with this one, and returns how many they are.
+  std::size_t takeConnected(std::int64_t first) {
+    std::vector<std::int64_t> taken{first};
+    take(first, 1, 0);
+    for (std::size_t i = 0; i < taken.size(); ++i) {
+      const std::int64_t key = taken[i];
+      for (const std::int64_t layer : {key - stride_z_, key, key + stride_z_}) {
+        for (const std::int64_t row : {layer - stride_y_, layer, layer + stride_y_}) {
+          for (const std::int64_t neighbour : {row - 1, row, row + 1}) {
+            if (take(neighbour, 1, 0)) taken.push_back(neighbour);
+          }
+        }
+      }
+    }
+    return taken.size();
+  }
+
+ private:
+  // Turns a voxel from one state into the other; whether it was in the one.
+  bool take(std::int64_t key, char from, char to) {
+    char& state = occupied_[static_cast<std::size_t>(key + margin_)];
+    const bool was = state == from;
+    if (was) state = to;
+    return was;
+  }
+
+  std::int64_t stride_y_, stride_z_, margin_;
+  std::vector<char> occupied_;
+  std::size_t size_ = 0;
+};
+
 }  // namespace
 
 Voxels sortIntoVoxels(const PointCloud& cloud, double edge_m) {
   assert(!cloud.empty() && edge_m > 0.0);
+  Keys keys = computeKeys(cloud, edge_m);
   Voxels voxels;
-  std::vector<std::int64_t> keys = computeKeys(cloud, edge_m, voxels);
-  const std::int64_t largest = *std::max_element(keys.begin(), keys.end());
-  if (largest <= std::numeric_limits<std::uint32_t>::max())
-    sortInto<std::uint32_t>(voxels, std::move(keys), largest);
+  voxels.stride_y = keys.stride_y;
+  voxels.stride_z = keys.stride_z;
+  if (keys.largest <= std::numeric_limits<std::uint32_t>::max())
+    sortInto<std::uint32_t>(voxels, std::move(keys.of_points), keys.largest);
   else
-    sortInto<std::uint64_t>(voxels, std::move(keys), largest);
+    sortInto<std::uint64_t>(voxels, std::move(keys.of_points), keys.largest);
   return voxels;
+}
+
+bool voxelsHangTogether(const PointCloud& cloud, double edge_m) {
+  assert(!cloud.empty() && edge_m > 0.0);
+  const Keys keys = computeKeys(cloud, edge_m);
+  constexpr std::int64_t kLeast = 1 << 16;
+  if (keys.largest > std::max(kLeast, static_cast<std::int64_t>(4 * cloud.size()))) return false;
+  Occupancy occupied(keys);
+  return occupied.takeConnected(keys.of_points.front()) == occupied.size();
 }
 
 Vector3d meanOf(const PointCloud& cloud, std::span<const std::uint32_t> points) {

@@ -28,6 +28,10 @@ struct Voxels {
 // layer. The edge is raised to 2^-20 of the cloud's extent. O(n). Pre: finite, not empty, edge_m > 0.
 Voxels sortIntoVoxels(const PointCloud& cloud, double edge_m);
 
+// Whether the occupied ones of these voxels hang together, each touching others by a face, an edge or a corner. A quick
+// look, without sorting: false, too, where the voxels around the cloud are many more than its points. Pre: as above.
+bool voxelsHangTogether(const PointCloud& cloud, double edge_m);
+
 // The mean of some points to 2^-26 m, the same in whatever order they come. Pre: not empty, within 1 km.
 Vector3d meanOf(const PointCloud& cloud, std::span<const std::uint32_t> points);
 

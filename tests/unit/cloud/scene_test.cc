@@ -14,6 +14,7 @@
 #include "boxgrasp/cloud/clean.h"
 #include "boxgrasp/cloud/clusters.h"
 #include "boxgrasp/cloud/read_cloud.h"
+#include "boxgrasp/geometry/voxels.h"
 #include "random_pose.h"
 
 namespace boxgrasp {
@@ -270,6 +271,24 @@ TEST(SceneOptions, BadValuesAreNamed) {
   options = {};
   options.min_plane_fraction = 2.0;
   EXPECT_THROW(options.validate(), InputError);
+}
+
+// What lets a cloud be left whole without a look for clusters.
+TEST(EuclideanClusters, OfMeansOfVoxelsThatHangTogetherAreOne) {
+  std::mt19937_64 random(5);
+  int together = 0;
+  for (int round = 0; round < 200; ++round) {
+    PointCloud cloud;
+    const int points = 10 + static_cast<int>(uniformIndex(random, 60));
+    for (int i = 0; i < points; ++i)
+      cloud.push(Vector3d(uniform(random, 0, 6), uniform(random, 0, 6), uniform(random, 0, 2)));
+    const double distance_m = 4.0;
+    if (!voxelsHangTogether(cloud, distance_m / 4.0)) continue;
+    const PointCloud means = meansOf(cloud, sortIntoVoxels(cloud, distance_m / 4.0));
+    EXPECT_EQ(euclideanClusters(means, distance_m, StopToken()).size(), 1u) << "cloud " << round;
+    ++together;
+  }
+  EXPECT_GT(together, 20) << "the clouds should hang together now and then";
 }
 
 TEST(EuclideanClusters, AgreeWithBruteForce) {
