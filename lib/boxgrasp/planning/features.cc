@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "boxgrasp/base/error.h"
 #include "boxgrasp/base/parallel.h"
@@ -71,17 +72,21 @@ Feature known(const std::string& feature) {
       feature, fmt::join(measureNames(), ", ")));
 }
 
-// Places among all, from 0 to 1.
+// Places among all, from 0 to 1; equals share one.
 VectorXd places(const VectorXd& values) {
   const Index n = values.size();
-  std::vector<double> sorted(values.begin(), values.end());
-  std::ranges::sort(sorted);
   VectorXd result = VectorXd::Constant(n, 0.5);
   if (n < 2) return result;
-  for (Index i = 0; i < n; ++i) {
-    const auto [first, end] = std::equal_range(sorted.begin(), sorted.end(), values[i]);
+  std::vector<std::pair<double, Index>> sorted;
+  sorted.reserve(static_cast<std::size_t>(n));
+  for (Index i = 0; i < n; ++i) sorted.emplace_back(values[i], i);
+  std::ranges::sort(sorted);
+  for (auto first = sorted.begin(); first != sorted.end();) {
+    const auto end =
+        std::find_if(first, sorted.end(), [&](const auto& other) { return other.first != first->first; });
     const auto below = static_cast<double>(first - sorted.begin());
-    result[i] = (below + 0.5 * static_cast<double>(end - first - 1)) / static_cast<double>(n - 1);
+    const double place = (below + 0.5 * static_cast<double>(end - first - 1)) / static_cast<double>(n - 1);
+    for (; first != end; ++first) result[first->second] = place;
   }
   return result;
 }
