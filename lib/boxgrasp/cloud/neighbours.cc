@@ -1,8 +1,10 @@
 #include "boxgrasp/cloud/neighbours.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -88,7 +90,9 @@ class BlockSearch {
             sortIntoVoxels(cloud, radius_m * 1.0001)),  // so that rounding puts no neighbour two cells away
         cloud_(select(cloud, cells_.order)),
         k_(k),
-        limit_(static_cast<float>(radius_m * radius_m)) {}
+        limit_(static_cast<float>(radius_m * radius_m)) {
+    cloud_.resize(cloud_.size() + kCopied);
+  }
 
   // Fills in the distances of the points that have none yet and enough neighbours; returns whether all have
   // them then.
@@ -96,11 +100,12 @@ class BlockSearch {
 
  private:
   static constexpr std::size_t kStretch = 256;  // cells that one thread takes at a time
+  static constexpr std::size_t kCopied = 16;    // points at a time: more than most rows of cells have
 
   // The points around one cell, filled up to whole lanes with points far away, and room for distances.
   struct Block {
-    PointCloud points;
-    std::vector<float> squared;
+    std::vector<float> x, y, z, squared;
+    std::size_t size = 0;
   };
 
   bool fillCells(std::size_t first, std::size_t end, NeighbourDistances& distances) const;
@@ -108,7 +113,7 @@ class BlockSearch {
   void fillPoint(std::size_t at, Block& block, double& mean, double& nearest) const;
 
   Voxels cells_;
-  PointCloud cloud_;  // in the order of the cells, so that a row of cells is one stretch of points
+  PointCloud cloud_;  // in the order of the cells, so that a row of cells is one stretch; and room behind
   std::size_t k_;
   float limit_;
 };
@@ -142,25 +147,36 @@ bool BlockSearch::fillCells(std::size_t first, std::size_t end, NeighbourDistanc
 void BlockSearch::enter(std::size_t cell, NeighbourSweep& sweep, Block& block) const {
   constexpr std::size_t kLanes = neighbour_passes::kLanes;
   constexpr float kFarAway = std::numeric_limits<float>::infinity();
-  block.points.resize(0);
+  std::array<std::pair<std::size_t, std::size_t>, 9> rows;  // of cells: stretches of points
+  std::size_t count = 0, points = 0;
   sweep.around(cell, [&](std::size_t first, std::size_t last) {
-    for (const auto axis : {&PointCloud::x, &PointCloud::y, &PointCloud::z}) {
-      const float* from = (cloud_.*axis).data();
-      std::vector<float>& to = block.points.*axis;
-      to.insert(to.end(), from + cells_.begin[first], from + cells_.begin[last]);
-    }
+    rows[count] = {cells_.begin[first], cells_.begin[last]};
+    points += rows[count].second - rows[count].first;
+    ++count;
   });
-  const std::size_t size = (block.points.size() + kLanes - 1) / kLanes * kLanes;
-  for (const auto axis : {&PointCloud::x, &PointCloud::y, &PointCloud::z})
-    (block.points.*axis).resize(size, kFarAway);
-  block.squared.resize(size);
+  const std::size_t room = points + kLanes + kCopied;
+  if (block.x.size() < room) {
+    for (const auto axis : {&Block::x, &Block::y, &Block::z, &Block::squared}) (block.*axis).resize(2 * room);
+  }
+  std::size_t at = 0;
+  for (std::size_t row = 0; row < count; ++row) {
+    const auto [first, last] = rows[row];
+    for (std::size_t from = first; from < last; from += kCopied) {
+      const std::size_t to = at + from - first;
+      std::memcpy(&block.x[to], &cloud_.x[from], kCopied * sizeof(float));
+      std::memcpy(&block.y[to], &cloud_.y[from], kCopied * sizeof(float));
+      std::memcpy(&block.z[to], &cloud_.z[from], kCopied * sizeof(float));
+    }
+    at += last - first;
+  }
+  block.size = (points + kLanes - 1) / kLanes * kLanes;
+  for (; at < block.size; ++at) block.x[at] = block.y[at] = block.z[at] = kFarAway;
 }
 
 void BlockSearch::fillPoint(std::size_t at, Block& block, double& mean, double& nearest) const {
   const float p[] = {cloud_.x[at], cloud_.y[at], cloud_.z[at]};
   float to_nearest = 0.0f, sum = 0.0f;
-  const PointCloud& points = block.points;
-  if (!neighbour_passes::measure(points.x.data(), points.y.data(), points.z.data(), points.size(), p,
+  if (!neighbour_passes::measure(block.x.data(), block.y.data(), block.z.data(), block.size, p,
                                  static_cast<int>(k_), limit_, block.squared.data(), to_nearest, sum))
     return;
   nearest = to_nearest;
