@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <bitset>
 #include <cassert>
 #include <cmath>
+#include <cstdint>
 #include <numeric>
 
 #include "boxgrasp/base/error.h"
@@ -43,18 +46,30 @@ bool coincide(const PointCloud& cloud, std::uint32_t a, std::uint32_t b) {
   return cloud.x[a] == cloud.x[b] && cloud.y[a] == cloud.y[b] && cloud.z[a] == cloud.z[b];
 }
 
+// A number below 256, the same for equal places. Adding 0 makes 0 of -0, which is equal to it.
+std::size_t markOf(const PointCloud& cloud, std::uint32_t i) {
+  const auto bits = [](float value) { return std::uint64_t{std::bit_cast<std::uint32_t>(value + 0.0f)}; };
+  const std::uint64_t mixed = bits(cloud.x[i]) * 0x9e3779b97f4a7c15u +
+                              bits(cloud.y[i]) * 0xc2b2ae3d27d4eb4fu + bits(cloud.z[i]) * 0x165667b19e3779f9u;
+  return mixed >> 56;
+}
+
 // How many different places some points have.
 std::size_t countPlaces(const PointCloud& cloud, std::span<const std::uint32_t> points,
                         std::vector<Place>& places) {
-  constexpr std::size_t kFew = 16;  // a look at each pair is quicker than to sort them
+  constexpr std::size_t kFew = 64;  // then most have a mark of their own, and need not be compared
   if (points.size() > kFew) {
     collectPlaces(cloud, points, places);
     return places.size();
   }
   std::size_t different = 0;
+  std::bitset<256> seen;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    different += std::none_of(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(i),
-                              [&](std::uint32_t other) { return coincide(cloud, points[i], other); });
+    const std::size_t mark = markOf(cloud, points[i]);
+    const auto before = points.first(seen[mark] ? i : 0);
+    different +=
+        std::ranges::none_of(before, [&](std::uint32_t other) { return coincide(cloud, points[i], other); });
+    seen.set(mark);
   }
   return different;
 }

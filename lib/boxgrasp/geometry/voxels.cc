@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "boxgrasp/base/parallel.h"
@@ -13,17 +15,48 @@
 namespace boxgrasp {
 namespace voxel_passes {
 
-// Adds to each key the point's voxel number along one axis times that axis' stride.
-BOXGRASP_SIMD void addKeys(const float* values, std::size_t n, double per_edge, double first,
-                           std::int64_t stride, std::int64_t* keys) {
+struct Axis {
+  double first;  // number of the cloud's first voxel along the axis
+  std::int64_t stride;
+};
+
+struct Grid {
+  double per_edge;
+  Axis x, y, z;
+};
+
+BOXGRASP_SIMD_PART std::int32_t numberAlong(const Axis& axis, double per_edge, float value) {
+  return static_cast<std::int32_t>(value * per_edge + 0.5 - axis.first);
+}
+
+// The keys of points' voxels.
+BOXGRASP_SIMD void keysOf(const float* px, const float* py, const float* pz, std::size_t n, const Grid& grid,
+                          std::uint32_t* __restrict keys) {
+  const auto [per_edge, x, y, z] = grid;
+  const auto stride_y = static_cast<std::uint32_t>(y.stride), stride_z = static_cast<std::uint32_t>(z.stride);
   for (std::size_t i = 0; i < n; ++i) {
-    keys[i] += stride * static_cast<std::int32_t>(values[i] * per_edge + 0.5 - first);
+    keys[i] = static_cast<std::uint32_t>(numberAlong(x, per_edge, px[i])) +
+              stride_y * static_cast<std::uint32_t>(numberAlong(y, per_edge, py[i])) +
+              stride_z * static_cast<std::uint32_t>(numberAlong(z, per_edge, pz[i]));
+  }
+}
+
+BOXGRASP_SIMD void keysOf(const float* px, const float* py, const float* pz, std::size_t n, const Grid& grid,
+                          std::uint64_t* __restrict keys) {
+  const auto [per_edge, x, y, z] = grid;
+  const std::int64_t stride_y = y.stride, stride_z = z.stride;
+  for (std::size_t i = 0; i < n; ++i) {
+    keys[i] = static_cast<std::uint64_t>(numberAlong(x, per_edge, px[i]) +
+                                         stride_y * numberAlong(y, per_edge, py[i]) +
+                                         stride_z * numberAlong(z, per_edge, pz[i]));
   }
 }
 
 }  // namespace voxel_passes
 
 namespace {
+
+using voxel_passes::Grid;
 
 // Keys of 32 bits do for most clouds, in half the memory and time.
 template <typename Key>
@@ -32,55 +65,76 @@ struct KeyedPoint {
   std::uint32_t index;
 };
 
-// The key of each point's voxel.
-struct Keys {
-  std::vector<std::int64_t> of_points;
-  std::int64_t largest = 0, stride_y = 0, stride_z = 0;
+// The voxels around a cloud: all keys are below `end`.
+struct CloudGrid {
+  Grid grid;
+  std::int64_t end;
 };
 
-Keys computeKeys(const PointCloud& cloud, double edge_m) {
+CloudGrid gridAround(const PointCloud& cloud, double edge_m) {
   const Eigen::AlignedBox3d box = bounds(cloud);
   const double per_edge = 1.0 / std::max(edge_m, std::ldexp(box.sizes().maxCoeff(), -20));
-  const std::vector<float>* const axes[] = {&cloud.x, &cloud.y, &cloud.z};
-  std::vector<std::int64_t> keys(cloud.size(), 0);
-  std::int64_t strides[4] = {1};
-  for (int axis = 0; axis < 3; ++axis) {
-    const double first = std::floor(box.min()[axis] * per_edge + 0.5);
-    const double last = std::floor(box.max()[axis] * per_edge + 0.5);
-    voxel_passes::addKeys(axes[axis]->data(), cloud.size(), per_edge, first, strides[axis], keys.data());
-    strides[axis + 1] = strides[axis] * (static_cast<std::int64_t>(last - first) + 3);
+  Grid grid{per_edge, {}, {}, {}};
+  std::int64_t stride = 1;
+  int at = 0;
+  for (voxel_passes::Axis* axis : {&grid.x, &grid.y, &grid.z}) {
+    const double last = std::floor(box.max()[at] * per_edge + 0.5);
+    *axis = {std::floor(box.min()[at] * per_edge + 0.5), stride};
+    stride *= static_cast<std::int64_t>(last - axis->first) + 3;
+    ++at;
   }
-  const std::int64_t largest = *std::max_element(keys.begin(), keys.end());
-  return {std::move(keys), largest, strides[1], strides[2]};
-}
-
-// Sorts by eleven bits of the key, keeping the order of equals.
-template <typename Key>
-void countingSort(const std::vector<KeyedPoint<Key>>& from, std::vector<KeyedPoint<Key>>& to, int shift) {
-  constexpr std::size_t kBuckets = 1 << 11;
-  std::array<std::uint32_t, kBuckets + 1> start{};
-  for (const auto& point : from) ++start[(point.key >> shift) % kBuckets + 1];
-  for (std::size_t i = 1; i < kBuckets; ++i) start[i] += start[i - 1];
-  for (const auto& point : from) to[start[(point.key >> shift) % kBuckets]++] = point;
+  return {grid, stride};
 }
 
 template <typename Key>
-std::vector<KeyedPoint<Key>> sortedByKey(std::vector<std::int64_t> keys, std::int64_t largest) {
+std::vector<Key> keysIn(const Grid& grid, const PointCloud& cloud) {
+  std::vector<Key> keys(cloud.size());
+  voxel_passes::keysOf(cloud.x.data(), cloud.y.data(), cloud.z.data(), cloud.size(), grid, keys.data());
+  return keys;
+}
+
+// A sort by some digits, each of so many bits, from the lowest on; the order of equals is kept.
+constexpr int kDigitBits = 11;
+constexpr std::size_t kDigits = std::size_t{1} << kDigitBits;
+
+template <typename Key>
+std::size_t digitOf(Key key, int place) {
+  return static_cast<std::size_t>(key >> (place * kDigitBits)) % kDigits;
+}
+
+// For each place, where the points with each digit there begin.
+template <typename Key>
+std::vector<std::array<std::uint32_t, kDigits>> startsOf(const std::vector<Key>& keys, int places) {
+  std::vector<std::array<std::uint32_t, kDigits>> starts(static_cast<std::size_t>(places));
+  for (const Key key : keys) {
+    for (int place = 0; place < places; ++place)
+      ++starts[static_cast<std::size_t>(place)][digitOf(key, place)];
+  }
+  for (auto& of_place : starts) std::exclusive_scan(of_place.begin(), of_place.end(), of_place.begin(), 0u);
+  return starts;
+}
+
+template <typename Key>
+std::vector<KeyedPoint<Key>> sortedByKey(std::vector<Key> keys, std::int64_t end) {
+  const int bits = std::bit_width(static_cast<std::uint64_t>(end));
+  const int places = std::max(1, (bits + kDigitBits - 1) / kDigitBits);
+  auto starts = startsOf(keys, places);
   std::vector<KeyedPoint<Key>> points(keys.size());
   for (std::size_t i = 0; i < keys.size(); ++i)
-    points[i] = {static_cast<Key>(keys[i]), static_cast<std::uint32_t>(i)};
-  std::vector<std::int64_t>().swap(keys);  // a million points have 8 MB of them
+    points[starts[0][digitOf(keys[i], 0)]++] = {keys[i], static_cast<std::uint32_t>(i)};
+  std::vector<Key>().swap(keys);  // a million points have 4 MB of them
   std::vector<KeyedPoint<Key>> sorted(points.size());
-  for (int shift = 0; largest >> shift != 0; shift += 11) {
-    countingSort(points, sorted, shift);
+  for (int place = 1; place < places; ++place) {
+    for (const auto& point : points)
+      sorted[starts[static_cast<std::size_t>(place)][digitOf(point.key, place)]++] = point;
     points.swap(sorted);
   }
   return points;
 }
 
 template <typename Key>
-void sortInto(Voxels& voxels, std::vector<std::int64_t> keys, std::int64_t largest) {
-  const std::vector<KeyedPoint<Key>> points = sortedByKey<Key>(std::move(keys), largest);
+void sortInto(Voxels& voxels, const CloudGrid& around, const PointCloud& cloud) {
+  const std::vector<KeyedPoint<Key>> points = sortedByKey<Key>(keysIn<Key>(around.grid, cloud), around.end);
   voxels.order.resize(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     voxels.order[i] = points[i].index;
@@ -94,12 +148,12 @@ void sortInto(Voxels& voxels, std::vector<std::int64_t> keys, std::int64_t large
 // The occupied voxels, and the empty ones around them.
 class Occupancy {
  public:
-  explicit Occupancy(const Keys& keys)
-      : stride_y_(keys.stride_y),
-        stride_z_(keys.stride_z),
-        margin_(keys.stride_z + keys.stride_y + 1),
-        occupied_(static_cast<std::size_t>(keys.largest + 2 * margin_ + 1)) {
-    for (const std::int64_t key : keys.of_points) size_ += take(key, 0, 1);
+  Occupancy(const CloudGrid& around, const std::vector<std::uint32_t>& keys)
+      : stride_y_(around.grid.y.stride),
+        stride_z_(around.grid.z.stride),
+        margin_(stride_z_ + stride_y_ + 1),
+        occupied_(static_cast<std::size_t>(around.end + 2 * margin_)) {
+    for (const std::uint32_t key : keys) size_ += take(key, 0, 1);
   }
 
   std::size_t size() const { return size_; }
@@ -139,24 +193,25 @@ class Occupancy {
 
 Voxels sortIntoVoxels(const PointCloud& cloud, double edge_m) {
   assert(!cloud.empty() && edge_m > 0.0);
-  Keys keys = computeKeys(cloud, edge_m);
+  const CloudGrid around = gridAround(cloud, edge_m);
   Voxels voxels;
-  voxels.stride_y = keys.stride_y;
-  voxels.stride_z = keys.stride_z;
-  if (keys.largest <= std::numeric_limits<std::uint32_t>::max())
-    sortInto<std::uint32_t>(voxels, std::move(keys.of_points), keys.largest);
+  voxels.stride_y = around.grid.y.stride;
+  voxels.stride_z = around.grid.z.stride;
+  if (around.end <= std::numeric_limits<std::uint32_t>::max())
+    sortInto<std::uint32_t>(voxels, around, cloud);
   else
-    sortInto<std::uint64_t>(voxels, std::move(keys.of_points), keys.largest);
+    sortInto<std::uint64_t>(voxels, around, cloud);
   return voxels;
 }
 
 bool voxelsHangTogether(const PointCloud& cloud, double edge_m) {
   assert(!cloud.empty() && edge_m > 0.0);
-  const Keys keys = computeKeys(cloud, edge_m);
-  constexpr std::int64_t kLeast = 1 << 16;
-  if (keys.largest > std::max(kLeast, static_cast<std::int64_t>(4 * cloud.size()))) return false;
-  Occupancy occupied(keys);
-  return occupied.takeConnected(keys.of_points.front()) == occupied.size();
+  constexpr std::size_t kLeast = 1 << 16;
+  const CloudGrid around = gridAround(cloud, edge_m);
+  if (around.end > static_cast<std::int64_t>(std::max(kLeast, 4 * cloud.size()))) return false;
+  const std::vector<std::uint32_t> keys = keysIn<std::uint32_t>(around.grid, cloud);
+  Occupancy occupied(around, keys);
+  return occupied.takeConnected(keys.front()) == occupied.size();
 }
 
 Vector3d meanOf(const PointCloud& cloud, std::span<const std::uint32_t> points) {

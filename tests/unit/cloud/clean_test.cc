@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -152,6 +153,28 @@ TEST(Clean, APointIsTheMeanOfItsVoxelAndEveryPointIsCounted) {
   }
   for (std::size_t i = 0; i < cloud.size(); ++i) sum -= cloud.point(i);
   EXPECT_LT(sum.norm(), 1e-6) << "every point must be in one voxel";
+}
+
+// On a lattice, where many points coincide, some of them at 0 and -0; voxels of a few points and of hundreds.
+TEST(Clean, AsManyPlacesAreCountedAsThereAre) {
+  std::mt19937_64 random(8);
+  for (const double voxel_m : {0.002, 0.004, 0.02}) {
+    for (const int points : {30, 300, 3000}) {
+      PointCloud cloud;
+      std::set<std::array<int, 3>> places;
+      for (int i = 0; i < points; ++i) {
+        const std::array<int, 3> place{static_cast<int>(uniformIndex(random, 9)) - 4,
+                                       static_cast<int>(uniformIndex(random, 9)) - 4,
+                                       static_cast<int>(uniformIndex(random, 9)) - 4};
+        places.insert(place);
+        const double zero = i % 2 == 0 ? 0.0 : -0.0;
+        const auto coordinate = [&](int steps) { return steps == 0 ? zero : 0.001 * steps; };
+        cloud.push(Vector3d(coordinate(place[0]), coordinate(place[1]), coordinate(place[2])));
+      }
+      EXPECT_EQ(clean(cloud, evenOnly(voxel_m)).duplicates, cloud.size() - places.size())
+          << points << " points, voxels of " << voxel_m << " m";
+    }
+  }
 }
 
 TEST(Clean, DuplicatesAreCountedAndAddNoPoints) {
