@@ -6,17 +6,31 @@
 #include <optional>
 
 #include "boxgrasp/base/error.h"
+#include "boxgrasp/base/simd.h"
 #include "boxgrasp/geometry/polygon.h"
 
 namespace boxgrasp {
+namespace region_passes {
+
+BOXGRASP_SIMD void addWeighted(const double* values, const double* there, std::size_t n, double weight,
+                               double* __restrict sums, double* __restrict totals) {
+  for (std::size_t i = 0; i < n; ++i) {
+    sums[i] += weight * values[i];
+    totals[i] += weight * there[i];
+  }
+}
+
+}  // namespace region_passes
+
 namespace {
 
 int wrapped(int i, int n) { return ((i % n) + n) % n; }
 
+// Pre: k is below the number of points.
 double bendingAt(const std::vector<Vector2d>& points, int i, int k) {
   const int n = static_cast<int>(points.size());
-  const Vector2d ahead = points[wrapped(i + k, n)] - points[i],
-                 from_behind = points[i] - points[wrapped(i - k, n)];
+  const int before = i >= k ? i - k : i - k + n, after = i + k < n ? i + k : i + k - n;
+  const Vector2d ahead = points[after] - points[i], from_behind = points[i] - points[before];
   return std::atan2(cross(from_behind, ahead), from_behind.dot(ahead));
 }
 
@@ -31,23 +45,32 @@ std::vector<double> bending(const Contour& contour, int k) {
   return kappa;
 }
 
+// The values from `reach` before the first to `reach` after the last: those of a closed contour come again,
+// beyond the ends of an open one there are zeros.
+std::vector<double> extended(const std::vector<double>& values, bool closed, int reach) {
+  const int n = static_cast<int>(values.size());
+  std::vector<double> result(values.size() + 2 * static_cast<std::size_t>(reach));
+  std::copy(values.begin(), values.end(), result.begin() + reach);
+  for (int i = 0; closed && i < reach; ++i) {
+    result[reach - 1 - i] = values[wrapped(-1 - i, n)];
+    result[reach + n + i] = values[wrapped(i, n)];
+  }
+  return result;
+}
+
 // Circular for closed contours, normalised at the ends of open ones.
 std::vector<double> smoothed(const std::vector<double>& values, bool closed, double sigma) {
-  const int n = static_cast<int>(values.size()), reach = static_cast<int>(std::ceil(3.0 * sigma));
+  const int reach = static_cast<int>(std::ceil(3.0 * sigma));
   std::vector<double> weights;
   for (int d = -reach; d <= reach; ++d)
     weights.push_back(sigma > 0.0 ? std::exp(-0.5 * d * d / (sigma * sigma)) : 1.0);
-  std::vector<double> result(n);
-  for (int i = 0; i < n; ++i) {
-    double sum = 0.0, total = 0.0;
-    for (int d = -reach; d <= reach; ++d) {
-      if (!closed && (i + d < 0 || i + d >= n)) continue;
-      sum += weights[d + reach] * values[wrapped(i + d, n)];
-      total += weights[d + reach];
-    }
-    result[i] = sum / total;
-  }
-  return result;
+  const std::vector<double> all = extended(values, closed, reach);
+  const std::vector<double> there = extended(std::vector<double>(values.size(), 1.0), closed, reach);
+  std::vector<double> sums(values.size()), totals(values.size());
+  for (std::size_t d = 0; d < weights.size(); ++d)
+    region_passes::addWeighted(&all[d], &there[d], values.size(), weights[d], sums.data(), totals.data());
+  for (std::size_t i = 0; i < sums.size(); ++i) sums[i] /= totals[i];
+  return sums;
 }
 
 // A run of successive points of one contour, unrolled: a closed contour may have its first point again at the
