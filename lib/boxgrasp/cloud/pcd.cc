@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstring>
 #include <functional>
 #include <map>
 
@@ -204,6 +206,12 @@ bool isLabel(const Field& field) {
 }
 
 void readColumn(const Column& column, std::vector<float>& values) {
+  if (column.type.kind == 'F' && column.type.bytes == sizeof(float) &&
+      std::endian::native == std::endian::little) {
+    for (std::size_t i = 0; i < values.size(); ++i)
+      std::memcpy(&values[i], column.first + i * column.stride, sizeof(float));
+    return;
+  }
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(column[i]);
 }
 

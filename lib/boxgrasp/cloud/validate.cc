@@ -1,9 +1,13 @@
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <utility>
+#include <vector>
 
 #include "boxgrasp/base/error.h"
+#include "boxgrasp/base/simd.h"
 #include "boxgrasp/base/tolerances.h"
 #include "boxgrasp/cloud/clean.h"
 
@@ -15,9 +19,26 @@ void ValidationOptions::validate() const {
                 "above min_extent_m and at most 1000");
 }
 
+namespace validation_passes {
+
+BOXGRASP_SIMD std::size_t countNonFinite(const float* values, std::size_t n) {
+  constexpr std::uint32_t kExponent = 0x7f800000;
+  std::uint32_t count = 0;
+  for (std::size_t i = 0; i < n; ++i)
+    count += (std::bit_cast<std::uint32_t>(values[i]) & kExponent) == kExponent;
+  return count;
+}
+
+}  // namespace validation_passes
+
 namespace {
 
+bool allFinite(const std::vector<float>& values) {
+  return validation_passes::countNonFinite(values.data(), values.size()) == 0;
+}
+
 FiniteCloud finitePoints(PointCloud cloud_C) {
+  if (allFinite(cloud_C.x) && allFinite(cloud_C.y) && allFinite(cloud_C.z)) return {std::move(cloud_C), 0};
   std::size_t kept = 0;
   for (std::size_t i = 0; i < cloud_C.size(); ++i) {
     if (!cloud_C.point(i).allFinite()) continue;
