@@ -2,13 +2,74 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <optional>
 
 #include "boxgrasp/base/error.h"
+#include "boxgrasp/base/simd.h"
 
 namespace boxgrasp {
+namespace shape_passes {
+
+constexpr std::size_t kLanes = 8;
+
+struct Sphere {
+  double x, y, z, radius;
+};
+
+BOXGRASP_SIMD_PART double lengthOf(double x, double y, double z) { return std::sqrt(x * x + y * y + z * z); }
+
+BOXGRASP_SIMD void distancesTo(const Sphere& to, const double* px, const double* py, const double* pz,
+                               std::size_t n, double* distances) {
+  const Sphere s = to;
+  for (std::size_t i = 0; i < n; ++i)
+    distances[i] = std::abs(lengthOf(px[i] - s.x, py[i] - s.y, pz[i] - s.z) - s.radius);
+}
+
+// Of the weighed products of (direction, 1) with itself, the upper half, and with the signed distance.
+struct Sums {
+  alignas(64) double xx[kLanes], xy[kLanes], xz[kLanes], x[kLanes], yy[kLanes], yz[kLanes], y[kLanes],
+      zz[kLanes], z[kLanes], one[kLanes], right_x[kLanes], right_y[kLanes], right_z[kLanes], right[kLanes];
+};
+
+// Tukey's weights: nothing counts that is as far from the sphere as the bound. Pre: n is a multiple of
+// kLanes.
+BOXGRASP_SIMD void addWeighed(const Sphere& to, double bound, const double* px, const double* py,
+                              const double* pz, std::size_t n, Sums& sums) {
+  const Sphere s = to;
+  Sums all = sums;
+  for (std::size_t begin = 0; begin < n; begin += kLanes) {
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      const std::size_t i = begin + k;
+      const double dx = px[i] - s.x, dy = py[i] - s.y, dz = pz[i] - s.z, length = lengthOf(dx, dy, dz);
+      const double far = length - s.radius, ratio = std::abs(far) / bound, share = 1.0 - ratio * ratio;
+      const bool counts = (ratio < 1.0) & (length > 0.0);
+      const double weight = counts ? share * share : 0.0, per_length = counts ? 1.0 / length : 0.0;
+      const double x = dx * per_length, y = dy * per_length, z = dz * per_length;
+      all.xx[k] += weight * x * x;
+      all.xy[k] += weight * x * y;
+      all.xz[k] += weight * x * z;
+      all.x[k] += weight * x;
+      all.yy[k] += weight * y * y;
+      all.yz[k] += weight * y * z;
+      all.y[k] += weight * y;
+      all.zz[k] += weight * z * z;
+      all.z[k] += weight * z;
+      all.one[k] += weight;
+      all.right_x[k] += weight * far * x;
+      all.right_y[k] += weight * far * y;
+      all.right_z[k] += weight * far * z;
+      all.right[k] += weight * far;
+    }
+  }
+  sums = all;
+}
+
+}  // namespace shape_passes
+
 namespace {
 
 constexpr int kCells = 10;        // along each edge of the six sides that the directions are counted on
@@ -46,29 +107,71 @@ struct Ball {
   double distance(const Point& p) const { return std::abs((p - center).norm() - radius); }
 };
 
+// The coordinates of points, in whole lanes: those that fill the last are far away.
+template <int Dim>
+class Coordinates {
+ public:
+  explicit Coordinates(const std::vector<typename Ball<Dim>::Point>& points) : size_(points.size()) {
+    constexpr double kFarAway_m = 1e6;
+    const std::size_t room = (size_ + shape_passes::kLanes - 1) / shape_passes::kLanes * shape_passes::kLanes;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      values_[axis].assign(room, axis < Dim ? kFarAway_m : 0.0);
+      for (std::size_t i = 0; axis < Dim && i < size_; ++i)
+        values_[axis][i] = points[i][static_cast<int>(axis)];
+    }
+  }
+
+  double medianDistance(const Ball<Dim>& ball) const {
+    std::vector<double> distances(size_);
+    shape_passes::distancesTo(sphere(ball), values_[0].data(), values_[1].data(), values_[2].data(), size_,
+                              distances.data());
+    return median(std::move(distances));
+  }
+
+  // The normal equations of the step that brings a ball nearer to the points.
+  void addWeighed(const Ball<Dim>& ball, double bound, Eigen::Matrix<double, Dim + 1, Dim + 1>& normal,
+                  Eigen::Matrix<double, Dim + 1, 1>& right) const {
+    shape_passes::Sums sums{};
+    shape_passes::addWeighed(sphere(ball), bound, values_[0].data(), values_[1].data(), values_[2].data(),
+                             values_[0].size(), sums);
+    const auto sum = [](const double* lanes) {
+      return std::accumulate(lanes, lanes + shape_passes::kLanes, 0.0);
+    };
+    Eigen::Matrix4d all;
+    all << sum(sums.xx), sum(sums.xy), sum(sums.xz), sum(sums.x), 0, sum(sums.yy), sum(sums.yz), sum(sums.y),
+        0, 0, sum(sums.zz), sum(sums.z), 0, 0, 0, sum(sums.one);
+    const Eigen::Vector4d all_right(sum(sums.right_x), sum(sums.right_y), sum(sums.right_z), sum(sums.right));
+    constexpr std::array<int, 4> kCircle{0, 1, 3, 3}, kSphere{0, 1, 2, 3};
+    for (int row = 0; row <= Dim; ++row) {
+      const auto& of = Dim == 2 ? kCircle : kSphere;
+      right[row] = all_right[of[row]];
+      for (int column = row; column <= Dim; ++column)
+        normal(row, column) = normal(column, row) = all(of[row], of[column]);
+    }
+  }
+
+ private:
+  static shape_passes::Sphere sphere(const Ball<Dim>& ball) {
+    return {ball.center[0], ball.center[1], Dim == 3 ? ball.center[Dim - 1] : 0.0, ball.radius};
+  }
+
+  std::size_t size_;
+  std::array<std::vector<double>, 3> values_;
+};
+
 // Of least squared distances, weighed by Tukey's function of them; nullopt where points do not determine it.
 template <int Dim>
 std::optional<Ball<Dim>> fitBall(const std::vector<typename Ball<Dim>::Point>& points, double start_radius) {
-  using Row = Eigen::Matrix<double, Dim + 1, 1>;
+  const Coordinates<Dim> coordinates(points);
   Ball<Dim> ball{Ball<Dim>::Point::Zero(), start_radius};
   for (int round = 0; round < kRounds; ++round) {
-    std::vector<double> distances;
-    for (const auto& p : points) distances.push_back(ball.distance(p));
-    const double bound = kTukey * std::max(kRounding_m, kToDeviation * median(distances));
-    Eigen::Matrix<double, Dim + 1, Dim + 1> normal = Eigen::Matrix<double, Dim + 1, Dim + 1>::Zero();
-    Row right = Row::Zero();
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const double ratio = distances[i] / bound, length = (points[i] - ball.center).norm();
-      if (ratio >= 1.0 || length == 0.0) continue;
-      Row row;
-      row << (points[i] - ball.center) / length, 1.0;
-      const double weight = (1 - ratio * ratio) * (1 - ratio * ratio);
-      normal += weight * row * row.transpose();
-      right += weight * (length - ball.radius) * row;
-    }
+    const double bound = kTukey * std::max(kRounding_m, kToDeviation * coordinates.medianDistance(ball));
+    Eigen::Matrix<double, Dim + 1, Dim + 1> normal;
+    Eigen::Matrix<double, Dim + 1, 1> right;
+    coordinates.addWeighed(ball, bound, normal, right);
     const Eigen::LDLT<decltype(normal)> solver(normal);
     if (!solver.isPositive() || solver.rcond() < 1e-6) return std::nullopt;
-    const Row step = solver.solve(right);
+    const decltype(right) step = solver.solve(right);
     ball.center += step.template head<Dim>();
     ball.radius += step[Dim];
     if (step.norm() < kSettled_m) break;

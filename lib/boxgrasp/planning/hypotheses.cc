@@ -56,6 +56,7 @@ void checkViewpoints(const Viewpoints& viewpoints_C) {
 
 // The rest of the scene, without the points of any object.
 PointCloud background(const PointCloud& cloud_C, const Scene& scene) {
+  if (scene.isolated) return {};
   std::vector<bool> taken(cloud_C.size(), false);
   for (const auto& object : scene.objects) {
     for (const auto i : object) taken[i] = true;
