@@ -41,17 +41,26 @@ void requireContact(std::size_t index, const Contact& contact) {
   }
 }
 
-ForceCone coneOf(const Contact& contact, const WrenchOptions& options) {
+// The tangential directions of a cone's edges.
+std::vector<Vector2d> edgeDirections(int edges) {
+  std::vector<Vector2d> directions;
+  for (int j = 0; j < edges; ++j) {
+    const double angle = 2.0 * std::numbers::pi * j / edges;
+    directions.emplace_back(std::cos(angle), std::sin(angle));
+  }
+  return directions;
+}
+
+ForceCone coneOf(const Contact& contact, const std::vector<Vector2d>& directions,
+                 const WrenchOptions& options) {
   const Vector3d& n = contact.normal_C;
   const Vector3d tx = n.cross(std::abs(n.x()) > kAlongX ? Vector3d::UnitZ() : Vector3d::UnitX()).normalized();
   const Vector3d ty = n.cross(tx).normalized();
   const double friction = frictionOf(contact, options);
   ForceCone cone{(contact.p_C - options.p_CG) / options.torque_scale_m, n, {}};
-  cone.edges.resize(friction > 0.0 ? options.cone_edges : 1);
-  for (std::size_t j = 0; j < cone.edges.size(); ++j) {
-    const double angle = 2.0 * std::numbers::pi * static_cast<double>(j) / options.cone_edges;
-    cone.edges[j] = n + friction * (std::cos(angle) * tx + std::sin(angle) * ty);
-  }
+  cone.edges.resize(friction > 0.0 ? directions.size() : 1);
+  for (std::size_t j = 0; j < cone.edges.size(); ++j)
+    cone.edges[j] = n + friction * (directions[j].x() * tx + directions[j].y() * ty);
   return cone;
 }
 
@@ -63,10 +72,11 @@ std::vector<Wrench> edgeWrenches(const ForceCone& cone) {
 
 std::vector<ForceCone> conesOf(const std::vector<Contact>& contacts, const WrenchOptions& options) {
   options.validate();
+  const std::vector<Vector2d> directions = edgeDirections(options.cone_edges);
   std::vector<ForceCone> result;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     requireContact(i, contacts[i]);
-    result.push_back(coneOf(contacts[i], options));
+    result.push_back(coneOf(contacts[i], directions, options));
   }
   return result;
 }
@@ -109,10 +119,10 @@ std::vector<Wrench> sumOf(const std::vector<std::vector<Wrench>>& edges) {
 
 void requireUnionFits(std::size_t contacts, std::size_t points) {
   if (points > kMaxUnionPoints) {
-    throw InputError(
-        fmt::format("the cones of {} contacts have {} edges, more than {} where they are not three in general "
-                    "position: take fewer contacts or cone edges",
-                    contacts, points, kMaxUnionPoints));
+    throw InputError(fmt::format(
+        "the cones of {} contacts have {} edges, more than {} where they are not three in general "
+        "position: take fewer contacts or cone edges",
+        contacts, points, kMaxUnionPoints));
   }
 }
 
@@ -145,7 +155,7 @@ void WrenchOptions::validate() const {
 }
 
 std::vector<Wrench> edgeWrenches(const Contact& contact, const WrenchOptions& options) {
-  return edgeWrenches(coneOf(contact, options));
+  return edgeWrenches(coneOf(contact, edgeDirections(options.cone_edges), options));
 }
 
 GraspQuality graspQuality(const std::vector<Contact>& contacts, const WrenchOptions& options) {
