@@ -4,11 +4,14 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numbers>
 
+#include "boxgrasp/base/ordered_bits.h"
 #include "boxgrasp/base/simd.h"
 #include "boxgrasp/base/tolerances.h"
+#include "boxgrasp/geometry/block_ranges.h"
 #include "boxgrasp/geometry/polygon.h"
 
 namespace boxgrasp {
@@ -138,6 +141,12 @@ BOXGRASP_SIMD bool anyAlike(const Rotations& q, float w, float x, float y, float
   return any != 0;
 }
 
+BOXGRASP_SIMD std::size_t countUpTo(float limit, const float* values, std::size_t n) {
+  std::uint32_t count = 0;
+  for (std::size_t i = 0; i < n; ++i) count += values[i] <= limit;
+  return count;
+}
+
 }  // namespace orientation_batch
 
 namespace {
@@ -238,38 +247,74 @@ class Kept {
   std::vector<Orientation> kept_;
 };
 
-// The first `count` orientations, best first, that are not alike; of equals the first.
-std::vector<Orientation> distinct(const std::vector<Orientation>& orientations, std::size_t count,
-                                  float alike) {
-  std::vector<std::pair<float, std::size_t>> order;
-  order.reserve(orientations.size());
-  for (std::size_t i = 0; i < orientations.size(); ++i) order.emplace_back(orientations[i].volume, i);
+// A limit up to which there are at least so many of the values, and hardly more where that can be.
+float limitHolding(std::size_t wanted, const std::vector<float>& values) {
+  const ValueRange range = rangeOf(values);
+  if (wanted >= values.size()) return range.max;
+  std::int64_t below = std::int64_t{orderedBits(range.min)} - 1, within = orderedBits(range.max);
+  while (within - below > 1) {
+    const std::int64_t middle = (below + within) / 2;
+    const float limit = fromOrderedBits(static_cast<std::int32_t>(middle));
+    const std::size_t count = orientation_batch::countUpTo(limit, values.data(), values.size());
+    (count >= wanted ? within : below) = middle;
+    if (count >= wanted && count <= wanted + wanted / 4) break;
+  }
+  return fromOrderedBits(static_cast<std::int32_t>(within));
+}
+
+// Box volumes, and which rotations they belong to.
+using Ranked = std::vector<std::pair<float, std::size_t>>;
+
+// Those above one limit and up to another, the least first; of equals the first.
+Ranked rankedBetween(float above, float limit, const std::vector<float>& volumes) {
+  Ranked ranked;
+  for (std::size_t i = 0; i < volumes.size(); ++i) {
+    if (volumes[i] > above && volumes[i] <= limit) ranked.emplace_back(volumes[i], i);
+  }
+  std::sort(ranked.begin(), ranked.end());
+  return ranked;
+}
+
+// The first `count` orientations, best first, that are not alike; of equals the first. Most are never looked
+// at, so a few at a time are put in order.
+std::vector<Orientation> distinct(const std::vector<Quaternionf>& rotations,
+                                  const std::vector<float>& volumes, std::size_t count, float alike) {
   Kept kept;
-  auto sorted = order.begin();
-  for (auto next = sorted; next != order.end() && kept.orientations().size() < count; ++next) {
-    if (next == sorted) {  // most orientations are never looked at, so a few at a time are put in order
-      sorted += std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(4 * count), order.end() - next);
-      if (sorted != order.end()) std::nth_element(next, sorted, order.end());
-      std::sort(next, sorted);
+  float above = -std::numeric_limits<float>::infinity();
+  for (std::size_t taken = 0; taken < volumes.size();) {
+    const float limit = limitHolding(taken + 2 * count, volumes);
+    for (const auto& [volume, i] : rankedBetween(above, limit, volumes)) {
+      kept.offer({rotations[i], volume}, alike);
+      if (kept.orientations().size() == count) return kept.orientations();
+      ++taken;
     }
-    kept.offer(orientations[next->second], alike);
+    above = limit;
   }
   return kept.orientations();
 }
 
-std::vector<Orientation> measured(const PointCloud& points, const std::vector<Quaternionf>& rotations) {
-  std::vector<Orientation> result;
-  result.reserve(rotations.size());
+std::vector<Orientation> distinct(const std::vector<Orientation>& orientations, std::size_t count,
+                                  float alike) {
+  std::vector<Quaternionf> rotations;
+  std::vector<float> volumes;
+  for (const Orientation& orientation : orientations) {
+    rotations.push_back(orientation.rotation);
+    volumes.push_back(orientation.volume);
+  }
+  return distinct(rotations, volumes, count, alike);
+}
+
+std::vector<float> volumesOf(const PointCloud& points, const std::vector<Quaternionf>& rotations) {
+  std::vector<float> volumes(rotations.size());
   for (std::size_t begin = 0; begin < rotations.size(); begin += kLanes) {
     Rotations batch;
     for (std::size_t k = 0; k < kLanes; ++k)
       put(rotations[std::min(begin + k, rotations.size() - 1)], k, batch);
-    alignas(64) orientation_batch::Lane volumes;
-    measure(points, batch, volumes);
-    for (std::size_t k = 0; k < kLanes && begin + k < rotations.size(); ++k)
-      result.push_back({rotations[begin + k], volumes[k]});
+    alignas(64) orientation_batch::Lane measured;
+    measure(points, batch, measured);
+    std::copy_n(measured, std::min(kLanes, rotations.size() - begin), &volumes[begin]);
   }
-  return result;
+  return volumes;
 }
 
 // Descents side by side, one a lane: a random turn is kept when it makes the box smaller, else its opposite
@@ -323,8 +368,8 @@ void snap(const PointCloud& points, Orientation& orientation) {
   for (int edge = 0; edge < 3; ++edge) {
     const Vector3d direction = orientation.rotation.toRotationMatrix().col(edge).cast<double>();
     const Eigen::Matrix3f axes = smallestBoxAxes(points, direction).cast<float>();
-    const Orientation turned = measured(points, {Quaternionf(axes).normalized()})[0];
-    orientation = std::min(orientation, turned, smaller);
+    const Quaternionf turned = Quaternionf(axes).normalized();
+    orientation = std::min(orientation, {turned, volumesOf(points, {turned})[0]}, smaller);
   }
 }
 
@@ -346,7 +391,7 @@ Matrix3d smallestBoxAxes(const PointCloud& points, const Vector3d& edge) {
 std::vector<Orientation> searchOrientations(const PointCloud& points, int trials) {
   assert(trials >= 1 && trials <= kMostTrials);
   static const std::vector<Quaternionf> lattice = orientationLattice();
-  std::vector<Orientation> starts = distinct(measured(points, lattice), 3 * kLanes, kNeighbours);
+  std::vector<Orientation> starts = distinct(lattice, volumesOf(points, lattice), 3 * kLanes, kNeighbours);
   descend(points, starts, 0.1f, trials);
   std::vector<Orientation> best = distinct(starts, kLanes / 2, kSame);
   descend(points, best, 0.01f, 40);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <cstdint>
+#include <cstring>
 #include <limits>
 #include <tuple>
 
@@ -39,10 +41,17 @@ BOXGRASP_SIMD ValueRange rangeAlong(const float* px, const float* py, const floa
   return {fromOrderedBits(low), fromOrderedBits(high)};
 }
 
-BOXGRASP_SIMD void valuesOf(const float* px, const float* py, const float* pz, std::size_t n,
-                            const Axis& along, float* values) {
+constexpr std::uint8_t kLeast = 1, kGreatest = 2;
+
+// Marks the points that have the least value of a range, or the greatest.
+BOXGRASP_SIMD void markEnds(const float* px, const float* py, const float* pz, std::size_t n,
+                            const Axis& along, ValueRange range, std::uint8_t* __restrict marks) {
   const Axis axis = along;
-  for (std::size_t i = 0; i < n; ++i) values[i] = valueAlong(axis, px[i], py[i], pz[i]);
+  for (std::size_t i = 0; i < n; ++i) {
+    const float value = valueAlong(axis, px[i], py[i], pz[i]);
+    marks[i] =
+        static_cast<std::uint8_t>((value == range.min ? kLeast : 0) | (value == range.max ? kGreatest : 0));
+  }
 }
 
 // The least and the largest value that a point of each block can have, but for rounding.
@@ -157,13 +166,19 @@ class Extremes {
   }
 
   void show(std::size_t block, Smallest& lowest, Smallest& highest) const {
-    const std::size_t begin = block * kBlock, n = sizeOf(block);
-    float values[kBlock];
-    support_passes::valuesOf(&cloud_.x[begin], &cloud_.y[begin], &cloud_.z[begin], n, axis_, values);
-    for (std::size_t i = 0; i < n; ++i) {
-      const std::size_t at = begin + i;
-      if (values[i] == all_.min) lowest.show(cloud_.x[at], cloud_.y[at], cloud_.z[at]);
-      if (values[i] == all_.max) highest.show(cloud_.x[at], cloud_.y[at], cloud_.z[at]);
+    const std::size_t begin = block * kBlock;
+    std::array<std::uint8_t, kBlock> marks{};
+    support_passes::markEnds(&cloud_.x[begin], &cloud_.y[begin], &cloud_.z[begin], sizeOf(block), axis_, all_,
+                             marks.data());
+    for (std::size_t first = 0; first < kBlock; first += sizeof(std::uint64_t)) {
+      std::uint64_t any;  // nearly all marks are 0
+      std::memcpy(&any, &marks[first], sizeof any);
+      if (any == 0) continue;
+      for (std::size_t i = first; i < first + sizeof any; ++i) {
+        const std::size_t at = begin + i;
+        if (marks[i] & support_passes::kLeast) lowest.show(cloud_.x[at], cloud_.y[at], cloud_.z[at]);
+        if (marks[i] & support_passes::kGreatest) highest.show(cloud_.x[at], cloud_.y[at], cloud_.z[at]);
+      }
     }
   }
 
