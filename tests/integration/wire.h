@@ -68,9 +68,9 @@ class Wire {
     return nullptr;
   }
   // The answer to a request sent now; a null pointer if none comes.
-  const plan_response_t* ask(const plan_request_t& message) {
+  const plan_response_t* ask(const plan_request_t& message, double timeout_s = 20.0) {
     send(channel::kPlanRequest, message);
-    until([&] { return answer(message.request_id) != nullptr; });
+    until([&] { return answer(message.request_id) != nullptr; }, timeout_s);
     return answer(message.request_id);
   }
   // What the server says to a publication sent now; its message says so if it says nothing.
