@@ -104,13 +104,13 @@ void Remote::giveUpIfLate(double patience_s) const {
 
 plan_response_t Remote::plan(const RemotePlan& plan) {
   Interruption interruption;
+  start_ = Clock::now();  // waiting for the first status counts, too
   request_id_ = plan.request_id.empty() ? newRequestId() : plan.request_id;
   request_ = encoded(toMessage(plan.request, {request_id_, plan.frame, plan.deadline_s, utimeNow()}));
   if (request_.size() > kSafeBytes) {
     waitForServer();
     checkSize(request_.size());
   }
-  start_ = Clock::now();
   pause_ = kFirstPause;
   send();
   while (!answer_ || answer_->outcome == plan_response_t::OVERLOADED) {
