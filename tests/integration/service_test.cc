@@ -505,6 +505,23 @@ TEST_F(Service, WithoutAServerTheClientSaysSo) {
   EXPECT_EQ(status.code, 4);
 }
 
+// What stands for a server here says how it is, late, and nothing else.
+TEST_F(Service, ClientsCountTheWaitForAStatusIntoTheirDeadline) {
+  const auto begin = Wire::Clock::now();
+  const auto seconds = [&] { return std::chrono::duration<double>(Wire::Clock::now() - begin).count(); };
+  std::jthread server_that_says_little([&] {
+    Wire wire;
+    std::this_thread::sleep_for(std::chrono::milliseconds(2300));
+    status_t status{};
+    status.receive_buffer_granted = -1;
+    wire.send(channel::kStatus, status);
+  });
+  const Finished plan = client("plan", {folder / "cup.pcd", "--deadline-s", "1"});
+  EXPECT_EQ(plan.code, 5) << plan.err;
+  EXPECT_THAT(plan.err, HasSubstr("no answer after 2."));
+  EXPECT_LT(seconds(), 4.1) << "a second for the plan and one of grace: it should end with the first status";
+}
+
 TEST_F(Service, WrongUsageIsExitCode2) {
   EXPECT_EQ(client("plan", {}).code, 2);
   EXPECT_EQ(client("plan", {folder / "cup.pcd", "--friction", "-1"}).code, 2);
