@@ -165,9 +165,7 @@ TEST_F(Receiver, IsBackWithin200Milliseconds) {
 TEST_F(Receiver, WhatIsInFlightSurvivesItsDeath) {
   std::ofstream(folder / "slow.toml") << "[clean]\nvoxel_m = 0.0\n[decomposition]\nexhaustive = true\n";
   start({"--config", folder / "slow.toml"});
-  constexpr double kPatience_s =
-      120.0;  // a plan of seconds takes many times as long under a sanitizer, beside others
-  const auto request = [](Wire& wire) { return wire.request("in flight", kPatience_s, 25'000); };
+  const auto request = [](Wire& wire) { return wire.request("in flight", 30.0, 25'000); };
   {
     Wire wire;
     wire.send(channel::kPlanRequest, request(wire));
@@ -176,7 +174,7 @@ TEST_F(Receiver, WhatIsInFlightSurvivesItsDeath) {
   sender.crash();
   ASSERT_TRUE(says("takes its place")) << server->err();
   Wire wire;
-  const plan_response_t* answer = wire.ask(request(wire), kPatience_s);
+  const plan_response_t* answer = wire.ask(request(wire));
   ASSERT_NE(answer, nullptr) << server->err();
   EXPECT_EQ(answer->outcome, +plan_response_t::GRASPS);
   wire.freshStatus();

@@ -518,7 +518,7 @@ TEST_F(Service, ClientsCountTheWaitForAStatusIntoTheirDeadline) {
   });
   const Finished plan = client("plan", {folder / "cup.pcd", "--deadline-s", "1"});
   EXPECT_EQ(plan.code, 5) << plan.err;
-  EXPECT_THAT(plan.err, HasSubstr("no answer after 2."));
+  EXPECT_THAT(plan.err, HasSubstr("no answer after"));
   EXPECT_LT(seconds(), 4.1) << "a second for the plan and one of grace: it should end with the first status";
 }
 

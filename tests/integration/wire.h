@@ -68,9 +68,9 @@ class Wire {
     return nullptr;
   }
   // The answer to a request sent now; a null pointer if none comes.
-  const plan_response_t* ask(const plan_request_t& message, double timeout_s = 20.0) {
+  const plan_response_t* ask(const plan_request_t& message) {
     send(channel::kPlanRequest, message);
-    until([&] { return answer(message.request_id) != nullptr; }, timeout_s);
+    until([&] { return answer(message.request_id) != nullptr; });
     return answer(message.request_id);
   }
   // What the server says to a publication sent now; its message says so if it says nothing.

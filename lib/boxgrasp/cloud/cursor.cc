@@ -97,30 +97,8 @@ bool BinaryType::valid() const {
   return size_known && (kind == 'I' || kind == 'U' || kind == 'F');
 }
 
-namespace {
-
-template <typename Byte, typename Short, typename Word, typename Long>
-double loadInteger(const char* bytes, std::size_t size, std::endian order) {
-  switch (size) {
-    case 1:
-      return static_cast<double>(loadAs<Byte>(bytes, order));
-    case 2:
-      return static_cast<double>(loadAs<Short>(bytes, order));
-    case 4:
-      return static_cast<double>(loadAs<Word>(bytes, order));
-    default:
-      return static_cast<double>(loadAs<Long>(bytes, order));
-  }
-}
-
-}  // namespace
-
 double loadNumber(const char* bytes, BinaryType type, std::endian order) {
-  if (type.kind == 'F') return type.bytes == 4 ? loadAs<float>(bytes, order) : loadAs<double>(bytes, order);
-  if (type.kind == 'I') {
-    return loadInteger<std::int8_t, std::int16_t, std::int32_t, std::int64_t>(bytes, type.bytes, order);
-  }
-  return loadInteger<std::uint8_t, std::uint16_t, std::uint32_t, std::uint64_t>(bytes, type.bytes, order);
+  return withType(type, [&](auto as) { return static_cast<double>(loadAs<decltype(as)>(bytes, order)); });
 }
 
 }  // namespace boxgrasp

@@ -99,6 +99,24 @@ struct BinaryType {
   std::size_t bytes = 0;
   bool valid() const;
 };
+
+// What use(T{}) gives, where T is the type of such numbers. Pre: type.valid().
+template <typename Use>
+auto withType(BinaryType type, const Use& use) {
+  if (type.kind == 'F') return type.bytes == 4 ? use(float{}) : use(double{});
+  const bool has_sign = type.kind == 'I';
+  switch (type.bytes) {
+    case 1:
+      return has_sign ? use(std::int8_t{}) : use(std::uint8_t{});
+    case 2:
+      return has_sign ? use(std::int16_t{}) : use(std::uint16_t{});
+    case 4:
+      return has_sign ? use(std::int32_t{}) : use(std::uint32_t{});
+    default:
+      return has_sign ? use(std::int64_t{}) : use(std::uint64_t{});
+  }
+}
+
 // Pre: type.valid() and that many bytes follow.
 double loadNumber(const char* bytes, BinaryType type, std::endian order);
 

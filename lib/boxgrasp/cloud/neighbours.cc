@@ -1,7 +1,6 @@
 #include "boxgrasp/cloud/neighbours.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
 #include <cstring>
@@ -102,10 +101,26 @@ class BlockSearch {
   static constexpr std::size_t kStretch = 256;  // cells that one thread takes at a time
   static constexpr std::size_t kCopied = 16;    // points at a time: more than most rows of cells have
 
-  // The points around one cell, filled up to whole lanes with points far away, and room for distances.
-  struct Block {
-    std::vector<float> x, y, z, squared;
-    std::size_t size = 0;
+  // The points around one cell, and room for distances.
+  class Block {
+   public:
+    void clear() { size_ = 0; }
+    // Pre: the cloud has kCopied more points behind the last, whatever they are.
+    void append(const PointCloud& cloud, std::size_t first, std::size_t last);
+    // With points far away, to whole lanes.
+    void fillUp();
+
+    std::size_t size() const { return size_; }
+    const float* x() const { return x_.data(); }
+    const float* y() const { return y_.data(); }
+    const float* z() const { return z_.data(); }
+    float* squared() { return squared_.data(); }
+
+   private:
+    void makeRoom(std::size_t size);
+
+    std::vector<float> x_, y_, z_, squared_;
+    std::size_t size_ = 0;
   };
 
   bool fillCells(std::size_t first, std::size_t end, NeighbourDistances& distances) const;
@@ -144,40 +159,43 @@ bool BlockSearch::fillCells(std::size_t first, std::size_t end, NeighbourDistanc
   return all;
 }
 
-void BlockSearch::enter(std::size_t cell, NeighbourSweep& sweep, Block& block) const {
+void BlockSearch::Block::makeRoom(std::size_t size) {
+  if (size <= x_.size()) return;
+  for (std::vector<float>* values : {&x_, &y_, &z_, &squared_}) values->resize(2 * size);
+}
+
+// In whole pieces: what is copied too much is written over, or filled up.
+void BlockSearch::Block::append(const PointCloud& cloud, std::size_t first, std::size_t last) {
+  makeRoom(size_ + (last - first) + kCopied);
+  for (std::size_t from = first; from < last; from += kCopied) {
+    const std::size_t to = size_ + from - first;
+    std::memcpy(&x_[to], &cloud.x[from], kCopied * sizeof(float));
+    std::memcpy(&y_[to], &cloud.y[from], kCopied * sizeof(float));
+    std::memcpy(&z_[to], &cloud.z[from], kCopied * sizeof(float));
+  }
+  size_ += last - first;
+}
+
+void BlockSearch::Block::fillUp() {
   constexpr std::size_t kLanes = neighbour_passes::kLanes;
-  constexpr float kFarAway = std::numeric_limits<float>::infinity();
-  std::array<std::pair<std::size_t, std::size_t>, 9> rows;  // of cells: stretches of points
-  std::size_t count = 0, points = 0;
+  makeRoom(size_ + kLanes);
+  for (; size_ % kLanes != 0; ++size_)
+    x_[size_] = y_[size_] = z_[size_] = std::numeric_limits<float>::infinity();
+}
+
+void BlockSearch::enter(std::size_t cell, NeighbourSweep& sweep, Block& block) const {
+  block.clear();
   sweep.around(cell, [&](std::size_t first, std::size_t last) {
-    rows[count] = {cells_.begin[first], cells_.begin[last]};
-    points += rows[count].second - rows[count].first;
-    ++count;
+    block.append(cloud_, cells_.begin[first], cells_.begin[last]);
   });
-  const std::size_t room = points + kLanes + kCopied;
-  if (block.x.size() < room) {
-    for (const auto axis : {&Block::x, &Block::y, &Block::z, &Block::squared}) (block.*axis).resize(2 * room);
-  }
-  std::size_t at = 0;
-  for (std::size_t row = 0; row < count; ++row) {
-    const auto [first, last] = rows[row];
-    for (std::size_t from = first; from < last; from += kCopied) {
-      const std::size_t to = at + from - first;
-      std::memcpy(&block.x[to], &cloud_.x[from], kCopied * sizeof(float));
-      std::memcpy(&block.y[to], &cloud_.y[from], kCopied * sizeof(float));
-      std::memcpy(&block.z[to], &cloud_.z[from], kCopied * sizeof(float));
-    }
-    at += last - first;
-  }
-  block.size = (points + kLanes - 1) / kLanes * kLanes;
-  for (; at < block.size; ++at) block.x[at] = block.y[at] = block.z[at] = kFarAway;
+  block.fillUp();
 }
 
 void BlockSearch::fillPoint(std::size_t at, Block& block, double& mean, double& nearest) const {
   const float p[] = {cloud_.x[at], cloud_.y[at], cloud_.z[at]};
   float to_nearest = 0.0f, sum = 0.0f;
-  if (!neighbour_passes::measure(block.x.data(), block.y.data(), block.z.data(), block.size, p,
-                                 static_cast<int>(k_), limit_, block.squared.data(), to_nearest, sum))
+  if (!neighbour_passes::measure(block.x(), block.y(), block.z(), block.size(), p, static_cast<int>(k_),
+                                 limit_, block.squared(), to_nearest, sum))
     return;
   nearest = to_nearest;
   mean = static_cast<double>(sum) / static_cast<double>(k_);

@@ -5,7 +5,6 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <functional>
 #include <map>
 
@@ -197,7 +196,15 @@ struct Column {
   const char* first;
   std::size_t stride;
   BinaryType type;
-  double operator[](std::size_t i) const { return loadNumber(first + i * stride, type, std::endian::little); }
+
+  // Calls take(i, value) for each of n points.
+  template <typename Take>
+  void forEach(std::size_t n, const Take& take) const {
+    withType(type, [&](auto as) {
+      for (std::size_t i = 0; i < n; ++i)
+        take(i, static_cast<double>(loadAs<decltype(as)>(first + i * stride, std::endian::little)));
+    });
+  }
 };
 
 // Whether the file's field of this name holds labels; labels are whole numbers.
@@ -206,19 +213,13 @@ bool isLabel(const Field& field) {
 }
 
 void readColumn(const Column& column, std::vector<float>& values) {
-  if (column.type.kind == 'F' && column.type.bytes == sizeof(float) &&
-      std::endian::native == std::endian::little) {
-    for (std::size_t i = 0; i < values.size(); ++i)
-      std::memcpy(&values[i], column.first + i * column.stride, sizeof(float));
-    return;
-  }
-  for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(column[i]);
+  column.forEach(values.size(), [&](std::size_t i, double value) { values[i] = static_cast<float>(value); });
 }
 
 void readColumn(const Column& column, std::vector<std::uint32_t>& values) {
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    values[i] = static_cast<std::uint32_t>(std::clamp(column[i], 0.0, 4294967295.0));
-  }
+  column.forEach(values.size(), [&](std::size_t i, double value) {
+    values[i] = static_cast<std::uint32_t>(std::clamp(value, 0.0, 4294967295.0));
+  });
 }
 
 // The points of binary data, point after point, or compressed data, field after field. Pre: data holds all

@@ -37,10 +37,10 @@ struct Sums {
 
 // Tukey's weights: nothing counts that is as far from the sphere as the bound. Pre: n is a multiple of
 // kLanes.
-BOXGRASP_SIMD void addWeighed(const Sphere& to, double bound, const double* px, const double* py,
+BOXGRASP_SIMD void sumWeighed(const Sphere& to, double bound, const double* px, const double* py,
                               const double* pz, std::size_t n, Sums& sums) {
   const Sphere s = to;
-  Sums all = sums;
+  Sums all{};
   for (std::size_t begin = 0; begin < n; begin += kLanes) {
     for (std::size_t k = 0; k < kLanes; ++k) {
       const std::size_t i = begin + k;
@@ -114,10 +114,9 @@ class Coordinates {
   explicit Coordinates(const std::vector<typename Ball<Dim>::Point>& points) : size_(points.size()) {
     constexpr double kFarAway_m = 1e6;
     const std::size_t room = (size_ + shape_passes::kLanes - 1) / shape_passes::kLanes * shape_passes::kLanes;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      values_[axis].assign(room, axis < Dim ? kFarAway_m : 0.0);
-      for (std::size_t i = 0; axis < Dim && i < size_; ++i)
-        values_[axis][i] = points[i][static_cast<int>(axis)];
+    for (int axis = 0; axis < 3; ++axis) values_[axis].assign(room, axis < Dim ? kFarAway_m : 0.0);
+    for (std::size_t i = 0; i < size_; ++i) {
+      for (int axis = 0; axis < Dim; ++axis) values_[axis][i] = points[i][axis];
     }
   }
 
@@ -128,11 +127,11 @@ class Coordinates {
     return median(std::move(distances));
   }
 
-  // The normal equations of the step that brings a ball nearer to the points.
-  void addWeighed(const Ball<Dim>& ball, double bound, Eigen::Matrix<double, Dim + 1, Dim + 1>& normal,
-                  Eigen::Matrix<double, Dim + 1, 1>& right) const {
-    shape_passes::Sums sums{};
-    shape_passes::addWeighed(sphere(ball), bound, values_[0].data(), values_[1].data(), values_[2].data(),
+  // Sets up the normal equations of the step that brings a ball nearer to the points.
+  void setUp(const Ball<Dim>& ball, double bound, Eigen::Matrix<double, Dim + 1, Dim + 1>& normal,
+             Eigen::Matrix<double, Dim + 1, 1>& right) const {
+    shape_passes::Sums sums;
+    shape_passes::sumWeighed(sphere(ball), bound, values_[0].data(), values_[1].data(), values_[2].data(),
                              values_[0].size(), sums);
     const auto sum = [](const double* lanes) {
       return std::accumulate(lanes, lanes + shape_passes::kLanes, 0.0);
@@ -141,12 +140,11 @@ class Coordinates {
     all << sum(sums.xx), sum(sums.xy), sum(sums.xz), sum(sums.x), 0, sum(sums.yy), sum(sums.yz), sum(sums.y),
         0, 0, sum(sums.zz), sum(sums.z), 0, 0, 0, sum(sums.one);
     const Eigen::Vector4d all_right(sum(sums.right_x), sum(sums.right_y), sum(sums.right_z), sum(sums.right));
-    constexpr std::array<int, 4> kCircle{0, 1, 3, 3}, kSphere{0, 1, 2, 3};
+    const auto of = [](int i) { return i < Dim ? i : 3; };
     for (int row = 0; row <= Dim; ++row) {
-      const auto& of = Dim == 2 ? kCircle : kSphere;
-      right[row] = all_right[of[row]];
+      right[row] = all_right[of(row)];
       for (int column = row; column <= Dim; ++column)
-        normal(row, column) = normal(column, row) = all(of[row], of[column]);
+        normal(row, column) = normal(column, row) = all(of(row), of(column));
     }
   }
 
@@ -168,7 +166,7 @@ std::optional<Ball<Dim>> fitBall(const std::vector<typename Ball<Dim>::Point>& p
     const double bound = kTukey * std::max(kRounding_m, kToDeviation * coordinates.medianDistance(ball));
     Eigen::Matrix<double, Dim + 1, Dim + 1> normal;
     Eigen::Matrix<double, Dim + 1, 1> right;
-    coordinates.addWeighed(ball, bound, normal, right);
+    coordinates.setUp(ball, bound, normal, right);
     const Eigen::LDLT<decltype(normal)> solver(normal);
     if (!solver.isPositive() || solver.rcond() < 1e-6) return std::nullopt;
     const decltype(right) step = solver.solve(right);

@@ -247,7 +247,8 @@ class Kept {
   std::vector<Orientation> kept_;
 };
 
-// A limit up to which there are at least so many of the values, and hardly more where that can be.
+// A limit up to which there are at least so many of the values, and hardly more where that can be. Pre: none
+// is NaN.
 float limitHolding(std::size_t wanted, const std::vector<float>& values) {
   const ValueRange range = rangeOf(values);
   if (wanted >= values.size()) return range.max;

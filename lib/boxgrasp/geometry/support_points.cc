@@ -4,10 +4,10 @@
 #include <array>
 #include <cassert>
 #include <cstdint>
-#include <cstring>
 #include <limits>
 #include <tuple>
 
+#include "boxgrasp/base/marks.h"
 #include "boxgrasp/base/ordered_bits.h"
 #include "boxgrasp/base/simd.h"
 
@@ -166,20 +166,14 @@ class Extremes {
   }
 
   void show(std::size_t block, Smallest& lowest, Smallest& highest) const {
-    const std::size_t begin = block * kBlock;
-    std::array<std::uint8_t, kBlock> marks{};
-    support_passes::markEnds(&cloud_.x[begin], &cloud_.y[begin], &cloud_.z[begin], sizeOf(block), axis_, all_,
-                             marks.data());
-    for (std::size_t first = 0; first < kBlock; first += sizeof(std::uint64_t)) {
-      std::uint64_t any;  // nearly all marks are 0
-      std::memcpy(&any, &marks[first], sizeof any);
-      if (any == 0) continue;
-      for (std::size_t i = first; i < first + sizeof any; ++i) {
-        const std::size_t at = begin + i;
-        if (marks[i] & support_passes::kLeast) lowest.show(cloud_.x[at], cloud_.y[at], cloud_.z[at]);
-        if (marks[i] & support_passes::kGreatest) highest.show(cloud_.x[at], cloud_.y[at], cloud_.z[at]);
-      }
-    }
+    const std::size_t begin = block * kBlock, n = sizeOf(block);
+    std::uint8_t marks[kBlock];
+    support_passes::markEnds(&cloud_.x[begin], &cloud_.y[begin], &cloud_.z[begin], n, axis_, all_, marks);
+    forEachMarked({marks, n}, [&](std::size_t i) {
+      const std::size_t at = begin + i;
+      if (marks[i] & support_passes::kLeast) lowest.show(cloud_.x[at], cloud_.y[at], cloud_.z[at]);
+      if (marks[i] & support_passes::kGreatest) highest.show(cloud_.x[at], cloud_.y[at], cloud_.z[at]);
+    });
   }
 
   const PointCloud& cloud_;

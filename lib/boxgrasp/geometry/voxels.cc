@@ -29,27 +29,27 @@ BOXGRASP_SIMD_PART std::int32_t numberAlong(const Axis& axis, double per_edge, f
   return static_cast<std::int32_t>(value * per_edge + 0.5 - axis.first);
 }
 
-// The keys of points' voxels.
-BOXGRASP_SIMD void keysOf(const float* px, const float* py, const float* pz, std::size_t n, const Grid& grid,
-                          std::uint32_t* __restrict keys) {
+// The keys of points' voxels. Pre: they fit.
+template <typename Key>
+BOXGRASP_SIMD_PART void fillKeys(const float* px, const float* py, const float* pz, std::size_t n,
+                                 const Grid& grid, Key* __restrict keys) {
   const auto [per_edge, x, y, z] = grid;
-  const auto stride_y = static_cast<std::uint32_t>(y.stride), stride_z = static_cast<std::uint32_t>(z.stride);
+  const auto stride_y = static_cast<Key>(y.stride), stride_z = static_cast<Key>(z.stride);
   for (std::size_t i = 0; i < n; ++i) {
-    keys[i] = static_cast<std::uint32_t>(numberAlong(x, per_edge, px[i])) +
-              stride_y * static_cast<std::uint32_t>(numberAlong(y, per_edge, py[i])) +
-              stride_z * static_cast<std::uint32_t>(numberAlong(z, per_edge, pz[i]));
+    keys[i] = static_cast<Key>(numberAlong(x, per_edge, px[i])) +
+              stride_y * static_cast<Key>(numberAlong(y, per_edge, py[i])) +
+              stride_z * static_cast<Key>(numberAlong(z, per_edge, pz[i]));
   }
 }
 
 BOXGRASP_SIMD void keysOf(const float* px, const float* py, const float* pz, std::size_t n, const Grid& grid,
-                          std::uint64_t* __restrict keys) {
-  const auto [per_edge, x, y, z] = grid;
-  const std::int64_t stride_y = y.stride, stride_z = z.stride;
-  for (std::size_t i = 0; i < n; ++i) {
-    keys[i] = static_cast<std::uint64_t>(numberAlong(x, per_edge, px[i]) +
-                                         stride_y * numberAlong(y, per_edge, py[i]) +
-                                         stride_z * numberAlong(z, per_edge, pz[i]));
-  }
+                          std::uint32_t* keys) {
+  fillKeys(px, py, pz, n, grid, keys);
+}
+
+BOXGRASP_SIMD void keysOf(const float* px, const float* py, const float* pz, std::size_t n, const Grid& grid,
+                          std::uint64_t* keys) {
+  fillKeys(px, py, pz, n, grid, keys);
 }
 
 }  // namespace voxel_passes
@@ -145,47 +145,43 @@ void sortInto(Voxels& voxels, const CloudGrid& around, const PointCloud& cloud) 
   voxels.begin.push_back(static_cast<std::uint32_t>(points.size()));
 }
 
-// The occupied voxels, and the empty ones around them.
+// Which voxels are occupied; those around the grid, where neighbours are looked for too, are not.
 class Occupancy {
  public:
   Occupancy(const CloudGrid& around, const std::vector<std::uint32_t>& keys)
-      : stride_y_(around.grid.y.stride),
-        stride_z_(around.grid.z.stride),
-        margin_(stride_z_ + stride_y_ + 1),
+      : margin_(around.grid.z.stride + around.grid.y.stride + 1),
         occupied_(static_cast<std::size_t>(around.end + 2 * margin_)) {
-    for (const std::uint32_t key : keys) size_ += take(key, 0, 1);
+    for (const std::uint32_t key : keys) size_ += std::exchange(at(key), 1) == 0;
+    for (const int layer : {-1, 0, 1}) {
+      for (const int row : {-1, 0, 1}) {
+        for (const int step : {-1, 0, 1})
+          neighbours_.push_back(layer * around.grid.z.stride + row * around.grid.y.stride + step);
+      }
+    }
   }
 
   std::size_t size() const { return size_; }
 
   // Takes out the voxels that hang together with this one, and returns how many they are.
   std::size_t takeConnected(std::int64_t first) {
-    std::vector<std::int64_t> taken{first};
-    take(first, 1, 0);
+    std::vector<std::int64_t> taken;
+    const auto take = [&](std::int64_t key) {
+      if (std::exchange(at(key), 0) != 0) taken.push_back(key);
+    };
+    take(first);
     for (std::size_t i = 0; i < taken.size(); ++i) {
       const std::int64_t key = taken[i];
-      for (const std::int64_t layer : {key - stride_z_, key, key + stride_z_}) {
-        for (const std::int64_t row : {layer - stride_y_, layer, layer + stride_y_}) {
-          for (const std::int64_t neighbour : {row - 1, row, row + 1}) {
-            if (take(neighbour, 1, 0)) taken.push_back(neighbour);
-          }
-        }
-      }
+      for (const std::int64_t step : neighbours_) take(key + step);
     }
     return taken.size();
   }
 
  private:
-  // Turns a voxel from one state into the other; whether it was in the one.
-  bool take(std::int64_t key, char from, char to) {
-    char& state = occupied_[static_cast<std::size_t>(key + margin_)];
-    const bool was = state == from;
-    if (was) state = to;
-    return was;
-  }
+  char& at(std::int64_t key) { return occupied_[static_cast<std::size_t>(key + margin_)]; }
 
-  std::int64_t stride_y_, stride_z_, margin_;
+  std::int64_t margin_;
   std::vector<char> occupied_;
+  std::vector<std::int64_t> neighbours_;  // from a key to those around it, and to itself
   std::size_t size_ = 0;
 };
 

@@ -4,8 +4,8 @@
 #include <optional>
 #include <utility>
 
-#include "boxgrasp/base/ordered_bits.h"
 #include "boxgrasp/base/simd.h"
+#include "boxgrasp/geometry/block_ranges.h"
 #include "boxgrasp/synthesis/edges.h"
 #include "boxgrasp/synthesis/smoothing.h"
 
@@ -38,15 +38,6 @@ BOXGRASP_SIMD void differentiate(const Rows& rows, int n) {
     y[i] = known ? down : 0.0f;
     magnitude[i] = std::sqrt(x[i] * x[i] + y[i] * y[i]);
   }
-}
-
-BOXGRASP_SIMD float largest(const float* values, std::size_t n) {
-  std::int32_t most = orderedBits(0.0f);
-  for (std::size_t i = 0; i < n; ++i) {
-    const std::int32_t value = orderedBits(values[i]);
-    most = value > most ? value : most;
-  }
-  return fromOrderedBits(most);
 }
 
 // Which of equal bins from 0 to `most` each value falls into.
@@ -144,7 +135,7 @@ struct Thresholds {
 // pixels is counted.
 Thresholds automaticThresholds(const Gradient& gradient, const DepthEdgeOptions& options) {
   const std::vector<float>& magnitudes = gradient.clearMagnitudes();
-  const double most = depth_edge_passes::largest(magnitudes.data(), magnitudes.size());
+  const double most = std::max(0.0f, rangeOf(magnitudes).max);
   std::array<std::size_t, kBins> counts{};
   if (most > 0.0) {
     std::vector<int> bins(magnitudes.size());

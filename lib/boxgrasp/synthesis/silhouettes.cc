@@ -2,10 +2,10 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <utility>
 #include <vector>
 
+#include "boxgrasp/base/marks.h"
 #include "boxgrasp/base/simd.h"
 #include "boxgrasp/synthesis/edges.h"
 #include "boxgrasp/synthesis/smoothing.h"
@@ -50,13 +50,11 @@ class HalfLevel {
  public:
   explicit HalfLevel(const cv::Mat& coverage)
       : coverage_(coverage), next_((2 * coverage.total() + kRun - 1) / kRun * kRun, -1) {
-    std::vector<std::uint8_t> mixed(static_cast<std::size_t>(coverage.cols));
+    std::vector<std::uint8_t> mixed(static_cast<std::size_t>(coverage.cols - 1));
     for (int row = 0; row + 1 < coverage.rows; ++row) {
       silhouette_passes::mixedCells(coverage.ptr<float>(row), coverage.ptr<float>(row + 1), coverage.cols,
                                     mixed.data());
-      const std::uint8_t *const begin = mixed.data(), *const end = begin + coverage.cols - 1;
-      for (auto at = find(begin, end); at != nullptr; at = find(at + 1, end))
-        linkCell(static_cast<int>(at - begin), row);
+      forEachMarked(mixed, [&](std::size_t column) { linkCell(static_cast<int>(column), row); });
     }
   }
 
@@ -76,11 +74,6 @@ class HalfLevel {
   }
 
  private:
-  // The next mixed cell, or nullptr.
-  static const std::uint8_t* find(const std::uint8_t* begin, const std::uint8_t* end) {
-    return static_cast<const std::uint8_t*>(std::memchr(begin, 1, static_cast<std::size_t>(end - begin)));
-  }
-
   bool inside(int column, int row) const { return coverage_.at<float>(row, column) > kHalf; }
   int edgeRight(int column, int row) const { return 2 * (row * coverage_.cols + column); }
   int edgeDown(int column, int row) const { return edgeRight(column, row) + 1; }

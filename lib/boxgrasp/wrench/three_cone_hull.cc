@@ -252,31 +252,36 @@ class Facets {
 
   static Vector3d on(const Side& side, double d, double s) { return d * side.p + s * side.m; }
 
-  // v_i and the condition on x_ij give v_j; v_k follows from its two conditions and v_k . h = D. All is
-  // a multiple of h . N, where N is the normal of the contacts' plane, `up` times the one for all three.
+  // `up` times the normal of the contacts' plane is x_ik x x_jk.
   void addPolygonSideCorner(int i, int j, int k, double up) {
-    const Vector3d x_ik = between(i, k), x_jk = between(j, k), normal = up * normal_;
-    const Prepared &its_j = prepared_[j], &its_k = prepared_[k];
+    const Prepared& its = prepared_[j];
     const double polygon = prepared_[i].polygon, n_ij = cones_[i].normal.dot(between(i, j)),
-                 n_ik = cones_[i].normal.dot(x_ik);
-    for (std::size_t side = 0; side < its_j.count; ++side) {
-      const double d = -polygon * its_j.along_m[i][side], s = polygon * (n_ij + its_j.along_p[i][side]);
-      const double c_i = d * n_ik, c_j = d * its_j.along_p[k][side] + s * its_j.along_m[k][side];
-      const three_cone_passes::PolygonSide shared{
-          d, c_i, c_j, d * its_j.flat.below_p - s * its_j.flat.normal_m, up, noise_};
-      for (std::size_t begin = 0; begin < its_k.count; begin += kLanes) {
-        alignas(64) std::int64_t sign[kLanes];
-        three_cone_passes::testCorners(shared, cornersFrom(its_k, i, j, begin), sign);
-        for (std::size_t at = 0; at < std::min(kLanes, its_k.count - begin); ++at) {
-          if (sign[at] == three_cone_passes::mixed) continue;
-          const Vector3d& h = cones_[k].edges[begin + at];
-          const double scale = up * its_k.height[begin + at];
-          Velocities v;
-          v[i] = d * scale * cones_[i].normal;
-          v[j] = scale * on(its_j.sides[side], d, s);
-          v[k] = d * normal + c_i * x_jk.cross(h) + c_j * h.cross(x_ik);
-          add(sign[at], d * scale, v);
-        }
+                 n_ik = cones_[i].normal.dot(between(i, k));
+    for (std::size_t side = 0; side < its.count; ++side) {
+      const double d = -polygon * its.along_m[i][side], s = polygon * (n_ij + its.along_p[i][side]);
+      const double c_i = d * n_ik, c_j = d * its.along_p[k][side] + s * its.along_m[k][side];
+      addCorners(i, j, k, {d, c_i, c_j, d * its.flat.below_p - s * its.flat.normal_m, up, noise_},
+                 on(its.sides[side], d, s));
+    }
+  }
+
+  // v_i and the condition on x_ij give v_j; v_k follows from its two conditions and v_k . h = D. All is
+  // a multiple of h . N, where N is the normal of the contacts' plane.
+  void addCorners(int i, int j, int k, const three_cone_passes::PolygonSide& shared, const Vector3d& v_j) {
+    const Vector3d x_ik = between(i, k), x_jk = between(j, k);
+    const Prepared& its = prepared_[k];
+    for (std::size_t begin = 0; begin < its.count; begin += kLanes) {
+      alignas(64) std::int64_t sign[kLanes];
+      three_cone_passes::testCorners(shared, cornersFrom(its, i, j, begin), sign);
+      for (std::size_t at = 0; at < std::min(kLanes, its.count - begin); ++at) {
+        if (sign[at] == three_cone_passes::mixed) continue;
+        const Vector3d& h = cones_[k].edges[begin + at];
+        const double scale = shared.up * its.height[begin + at];
+        Velocities v;
+        v[i] = shared.d * scale * cones_[i].normal;
+        v[j] = scale * v_j;
+        v[k] = shared.d * shared.up * normal_ + shared.c_i * x_jk.cross(h) + shared.c_j * h.cross(x_ik);
+        add(sign[at], shared.d * scale, v);
       }
     }
   }
